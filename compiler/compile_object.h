@@ -1,0 +1,47 @@
+// The compile pipeline, in order: the table of contents of this folder.
+//
+// Paper = M. Ouhyoung, Y.-Y. Chuang, R.-H. Liang, "Reusable Radiosity Object", 1997.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "compiler/mesh.h"
+#include "format/object_data.h"
+#include "format/result.h"
+
+namespace rro {
+
+struct CompileOptions {
+    std::uint32_t grid_size = 12;
+    GridMap grid_map = GridMap::Octahedral;
+    std::uint32_t image_resolution = 256;  // pixels along each direction image
+    double patch_area_divisor = 2000;      // a patch holds at most object area / this
+    double patch_cone_cosine = 0.8;        // smallest cosine between a patch's mean normal and its faces'
+};
+
+/// The compiled object with the vectors its views point into.
+struct CompiledObject {
+    ObjectData data;
+    std::vector<Vec3f> positions;
+    std::vector<TriangleIndices> triangles;
+    std::vector<std::uint32_t> source_triangle;
+    std::vector<Face> faces;
+    std::vector<Patch> patches;
+    std::vector<Cluster> clusters;
+    std::vector<Volume> volumes;
+    std::vector<std::uint32_t> volume_triangles;
+    std::vector<std::uint32_t> area_clusters;
+    std::vector<std::uint8_t> whole_area, intrinsic_area, visibility;
+    std::vector<float> whole_area_scale, intrinsic_area_scale;
+
+    CompiledObject() = default;
+    CompiledObject(CompiledObject&&) = default;             // vectors keep their storage, so views stay valid
+    CompiledObject& operator=(CompiledObject&&) = default;
+};
+
+/// Mesh in (checked, sides decided), archive content out. Deterministic for any number of threads.
+Result<CompiledObject> compile_object(const Mesh& mesh, const CompileOptions& options);
+
+}  // namespace rro

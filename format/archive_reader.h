@@ -1,0 +1,60 @@
+// File -> verified archive -> views in place.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "format/object_data.h"
+#include "format/result.h"
+
+namespace rro {
+
+/// One section of the directory, for `inspect`.
+struct SectionInfo {
+    std::string name;
+    std::string codec;  // "raw" or "zlib"
+    std::uint64_t offset = 0, stored_bytes = 0, raw_bytes = 0;
+    std::uint32_t crc32 = 0;
+};
+
+/// A verified archive. Owns the mapping (or the bytes) that its views point into; movable, not copyable.
+/// Immutable after opening; safe to share between threads.
+class Archive {
+  public:
+    /// Maps and verifies a file. Nothing is read through a view before the verifier has passed.
+    ///
+    /// errors   BadInput: not there, not an archive, newer major version, truncated, or damaged: names section, field,
+    ///          found and expected
+    static Result<Archive> open(const std::filesystem::path& path);
+
+    /// The same from bytes at hand; `name` stands in error messages.
+    static Result<Archive> from_bytes(std::vector<std::byte> bytes, const std::string& name);
+
+    Archive(Archive&&) noexcept;
+    Archive& operator=(Archive&&) noexcept;
+    ~Archive();
+
+    const ObjectData& data() const;
+    const DirectionGrid& grid() const;
+    const std::vector<SectionInfo>& sections() const;
+    std::uint64_t file_bytes() const;
+    std::uint16_t version_major() const;
+    std::uint16_t version_minor() const;
+
+    /// A section's payload after decompression (a plain FlatBuffers buffer).
+    /// errors   BadInput: no such section (names those there are)
+    Result<std::vector<std::byte>> section(const std::string& name) const;
+
+    /// SHA-256 of the whole file, lower-case hex.
+    std::string content_sha256() const;
+
+  private:
+    struct Impl;
+    explicit Archive(std::unique_ptr<Impl> impl);
+    std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace rro

@@ -1,0 +1,68 @@
+// A manifest with its archives open: what the solvers work on.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "format/archive_reader.h"
+#include "format/rays/object_rays.h"
+#include "solver/scene/manifest.h"
+
+namespace rro {
+
+/// One archive, loaded once and shared by its instances.
+struct Object {
+    std::filesystem::path path;
+    Archive archive;
+    std::unique_ptr<ObjectRays> rays;  // built by open_scene
+    std::vector<std::uint32_t> front_face;  // [T] face number of a triangle's front
+    std::vector<std::uint32_t> back_face;   // [T] of its back, or kNoFace
+    std::vector<std::uint32_t> patch_of_face;  // [F]
+
+    const ObjectData& data() const { return archive.data(); }
+};
+inline constexpr std::uint32_t kNoFace = 0xffffffffu;
+
+/// One placed object with its radiometry resolved.
+struct Instance {
+    std::string name;
+    const Object* object = nullptr;
+    Affine3 to_world;
+    Affine3 to_local;
+    double determinant_sign = 1;       // of to_world.linear; world normals are M^-T n, winding flips where negative
+    Box3 bounds;                       // world, of all triangles
+    std::vector<Rgb> reflectance;      // [P] per patch
+    std::vector<Rgb> exitance;         // [P] per patch, W/m^2
+
+    const ObjectData& data() const { return object->data(); }
+
+    /// World corners, counter-clockwise as seen from the face's side, also where the transform mirrors.
+    TriangleCorners world_corners(Face face) const {
+        TriangleCorners c = data().corners(face);
+        for (Vec3& p : c) p = to_world.point(p);
+        if (determinant_sign < 0) std::swap(c[1], c[2]);
+        return c;
+    }
+};
+
+struct Scene {
+    Manifest manifest;
+    std::vector<std::unique_ptr<Object>> objects;
+    std::vector<Instance> instances;   // in manifest order
+    Box3 bounds;                       // world
+
+    std::size_t triangle_count() const {
+        std::size_t n = 0;
+        for (const Instance& i : instances) n += i.data().triangles.size();
+        return n;
+    }
+};
+
+/// Opens every archive once (several at a time), checks `content` pins, resolves materials, builds ray structures.
+///
+/// errors   BadInput naming manifest, instance and archive: missing or refused archive, wrong content, a material the
+///          archive lacks (lists those there are)
+Result<Scene> open_scene(Manifest manifest);
+
+}  // namespace rro

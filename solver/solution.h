@@ -1,0 +1,65 @@
+// What a solver gives: radiosity per face and per element, and how the solve went.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "format/geometry.h"
+
+namespace rro {
+
+/// A part of a face, by quadtree subdivision. Leaves only: the elements of a face tile it.
+struct Element {
+    std::uint32_t face = 0;                     // of the archive
+    std::array<std::array<float, 2>, 3> corner; // barycentric (of the face's corners 1 and 2, in the face's own winding
+                                                // as ObjectData::corners(Face) gives them)
+    Rgb radiosity, irradiance;                  // W/m^2, means over the element
+};
+
+struct InstanceSolution {
+    std::vector<Rgb> radiosity;        // [F] W/m^2, mean over the face
+    std::vector<Rgb> irradiance;       // [F] W/m^2
+    std::vector<Rgb> standard_error;   // [F] of the radiosity; empty unless the method is the reference
+    std::vector<Element> elements;     // of the faces that were subdivided, ascending by face; other faces are whole
+};
+
+/// One line of the effect plan.
+struct EffectPlan {
+    std::string name;      // contracts: emitters interreflection occlusion self colour ...
+    bool on = false;
+    std::string reason;
+    double seconds = 0;    // actual work, after the solve
+};
+
+struct PhaseSeconds {
+    double load = 0, plan = 0, links = 0, visibility = 0, iterate = 0, output = 0, total = 0;
+};
+
+struct LinkCounts {
+    std::uint64_t far = 0, near = 0, self = 0, bytes = 0;
+    std::uint64_t total() const { return far + near + self; }
+};
+
+struct EnergyBalance {
+    Vec3 emitted, absorbed, escaped;  // W
+};
+
+struct Solution {
+    std::vector<InstanceSolution> instances;  // as in the scene
+    std::vector<EffectPlan> effects;
+    PhaseSeconds seconds;
+    LinkCounts links;
+    EnergyBalance energy;
+    std::uint64_t rays = 0;
+    std::uint64_t elements = 0;       // leaves: whole faces and elements
+    double accuracy = 0;              // asked
+    double estimated_error = 0;       // area-weighted relative RMS of the reflected radiosity
+    bool converged = false;
+    int iterations = 0;
+    double residual = 0;
+    std::vector<std::string> warnings;
+};
+
+}  // namespace rro
