@@ -3,8 +3,9 @@
 // Paper = M. Ouhyoung, Y.-Y. Chuang, R.-H. Liang, "Reusable Radiosity Object", 1997.
 #pragma once
 
-#include <filesystem>
-#include <string>
+#include <cstdint>
+#include <functional>
+#include <string_view>
 #include <vector>
 
 #include "compiler/mesh.h"
@@ -35,13 +36,21 @@ struct CompiledObject {
     std::vector<std::uint32_t> area_clusters;
     std::vector<std::uint8_t> whole_area, intrinsic_area, visibility;
     std::vector<float> whole_area_scale, intrinsic_area_scale;
+    std::uint32_t dropped_by_rounding = 0;  // triangles without an area in single precision; they have no row
 
     CompiledObject() = default;
-    CompiledObject(CompiledObject&&) = default;             // vectors keep their storage, so views stay valid
+    CompiledObject(CompiledObject&&) = default;  // vectors keep their storage, so views stay valid
     CompiledObject& operator=(CompiledObject&&) = default;
 };
 
-/// Mesh in (checked, sides decided), archive content out. Deterministic for any number of threads.
-Result<CompiledObject> compile_object(const Mesh& mesh, const CompileOptions& options);
+/// Told the phase and the share of the work done, from one thread at a time; may be empty.
+using CompileProgress = std::function<void(std::string_view phase, double done)>;
+
+/// Mesh in (checked, sides decided), archive content out. Deterministic for any number of threads. The caller fills
+/// source name, source hash and the options' text of the meta data.
+///
+/// errors   BadInput: the object's extent is beyond single precision, or no triangle has an area in it
+Result<CompiledObject> compile_object(const Mesh& mesh, const CompileOptions& options,
+                                      const CompileProgress& progress = {});
 
 }  // namespace rro

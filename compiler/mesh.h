@@ -22,6 +22,7 @@ struct Mesh {
     std::vector<std::uint8_t> two_sided;             // [T] 1 where both sides reflect; filled by decide_sides
     std::uint32_t source_triangles = 0;              // dropped ones included
     bool closed = false;                             // filled by decide_sides
+    std::vector<TriangleIndices> slits;              // dropped, without area, but joining kept ones: no hole is there
 };
 
 }  // namespace rro

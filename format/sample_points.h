@@ -18,8 +18,9 @@ constexpr std::uint64_t mix64(std::uint64_t x) {
 }
 
 /// Point `index` of the Owen-scrambled Sobol sequence in 4 dimensions, each in [0, 1). The scramble is chosen by `seed`.
-/// Any power of two of consecutive points from 0 is a (0, m, s)-net per dimension pair (0,1) and (2,3).
-/// source   [Burley 2020] hash-based Owen scrambling
+/// Any power of two of consecutive points from 0 is a (0, m, 2)-net in dimensions (0,1), a (t, m, 2)-net in every
+/// other pair, (2,3) among them, with t <= 2 up to 2^16 points, and stratified in each single dimension.
+/// source   [Burley 2020] hash-based Owen scrambling and shuffling; direction numbers of [Joe and Kuo 2008]
 std::array<float, 4> sobol4(std::uint32_t index, std::uint64_t seed);
 
 /// Uniform barycentric coordinates (of corners 1 and 2) from the unit square, by the low-distortion map [Heitz 2019].

@@ -45,7 +45,10 @@ struct IgnoredTriangles {
 /// Safe to share between threads after construction.
 class ObjectRays {
   public:
-    /// positions relative to the object's origin. Builds on all threads allowed by set_thread_count, deterministically.
+    /// positions relative to the object's origin. Builds on the calling thread alone, so that the tree is the same for
+    /// any number of threads; build several objects at a time.
+    ///
+    /// errors   throws std::bad_alloc where Embree runs out of memory
     ObjectRays(std::span<const Vec3f> positions, std::span<const TriangleIndices> triangles);
     ~ObjectRays();
     ObjectRays(ObjectRays&&) noexcept;

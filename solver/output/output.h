@@ -26,7 +26,8 @@ struct PictureOptions {
 };
 
 /// PNG (tone-mapped) or EXR (linear radiance), by the file's ending. Without a camera one is chosen that sees the scene.
-/// returns  the exposure used, in stops
+/// returns  the exposure used, in stops: the camera's, or the one that brings the log-average to 0.18; 0 for an EXR
+/// errors   Usage: another ending, no pixels; Failed: cannot be encoded or written
 Result<double> write_picture(const Scene& scene, const Solution& solution, const SceneRays& rays,
                              const PictureOptions& options, const std::filesystem::path& path);
 

@@ -23,7 +23,7 @@ struct InstanceEntry {
     std::filesystem::path archive;  // resolved against the manifest's folder
     std::string content;            // lower-case hex prefix of the file's SHA-256, or empty
     Affine3 to_world;               // invertible, condition number at most 1e9
-    std::vector<std::pair<std::string, MaterialOverride>> materials;  // "*" first, then in file order
+    std::vector<std::pair<std::string, MaterialOverride>> materials;  // "*" first, then by name
 };
 
 struct CameraEntry {

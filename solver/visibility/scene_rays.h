@@ -1,5 +1,8 @@
 // Rays through a whole scene: an instance tree in double precision over the objects' own ray structures. A ray is made
 // in double, taken into an archive's local frame, and only then rounded to float.
+//
+// End points that lie on a triangle (given with it) are first drawn inside by some float roundings of the object's
+// largest coordinate, 1e-6 of it: so edges where walls meet neither leak nor block.
 #pragma once
 
 #include <cstdint>
@@ -45,9 +48,13 @@ class SceneRays {
     bool occluded(const Vec3& p, const Vec3& q, const SceneTriangle& p_on, const SceneTriangle& q_on,
                   std::span<const std::uint32_t> candidates) const;
 
+    /// The same against all instances, found on the way: for single segments without a shaft.
+    bool occluded(const Vec3& p, const Vec3& q, const SceneTriangle& p_on, const SceneTriangle& q_on) const;
+
     /// The same for many segments with common ends and candidates, several at a time: blocked[i] = 1 or 0.
-    void occluded(std::span<const Vec3> p, std::span<const Vec3> q, const SceneTriangle& p_on, const SceneTriangle& q_on,
-                  std::span<const std::uint32_t> candidates, std::span<std::uint8_t> blocked) const;
+    void occluded(std::span<const Vec3> p, std::span<const Vec3> q, const SceneTriangle& p_on,
+                  const SceneTriangle& q_on, std::span<const std::uint32_t> candidates,
+                  std::span<std::uint8_t> blocked) const;
 
   private:
     struct Node {
@@ -55,9 +62,29 @@ class SceneRays {
         std::uint32_t first = 0, count = 0;  // leaf: into order_
         std::uint32_t right = 0;             // inner: left is the next node
     };
+    /// An instance as a ray meets it.
+    struct Place {
+        Affine3 to_local;        // from the world to the archive's frame, relative to ObjectData::origin
+        Affine3 to_world;        // and back
+        double coordinates = 0;  // largest absolute local coordinate of the object
+        const ObjectRays* rays = nullptr;
+        std::span<const Vec3f> positions;
+        std::span<const TriangleIndices> triangles;
+    };
+    struct LocalHit;
+    struct Shrink;
+
+    Shrink shrink(const SceneTriangle& on) const;
+    void build(std::uint32_t first, std::uint32_t count);
+    static LocalHit hit_in(const Place& place, const Vec3& origin, const Vec3& direction, double t_max,
+                           std::uint32_t ignored);
+    bool occluded_by(std::uint32_t instance, const Vec3& p, const Vec3& q, const SceneTriangle& p_on,
+                     const SceneTriangle& q_on) const;
+
     const Scene& scene_;
-    std::vector<Node> nodes_;
-    std::vector<std::uint32_t> order_;
+    std::vector<Place> places_;         // [instances]
+    std::vector<Node> nodes_;           // preorder
+    std::vector<std::uint32_t> order_;  // instances in the order of the leaves
 };
 
 }  // namespace rro

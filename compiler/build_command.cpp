@@ -1,0 +1,305 @@
+#include "compiler/build_command.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <chrono>
+#include <cstdio>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <system_error>
+
+#include "compiler/cluster_tree.h"
+#include "format/archive_reader.h"
+#include "format/archive_writer.h"
+#include "format/layout.h"
+#include "format/tool/interrupt.h"
+#include "format/version.h"
+
+namespace rro {
+namespace fs = std::filesystem;
+namespace {
+
+// Part of the options' text: raise it when the same mesh and options give other tables, so that --if-changed notices.
+constexpr int kTableVersion = 1;
+
+Error usage(std::string message, std::string hint = {}) {
+    return {ErrorKind::Usage, "", std::move(message), std::move(hint)};
+}
+
+Result<Vec3> parse_reflectance(const std::string& text) {
+    const Error wrong = usage("--reflectance " + text + ": expected r,g,b, each at least 0 and below 1");
+    Vec3 value;
+    const char *at = text.data(), *end = text.data() + text.size();
+    for (int channel = 0; channel < 3; ++channel) {
+        if (channel > 0 && (at == end || *at++ != ',')) return wrong;
+        const auto [next, code] = std::from_chars(at, end, value[channel]);
+        if (code != std::errc{} || !(value[channel] >= 0 && value[channel] < 1)) return wrong;
+        at = next;
+    }
+    if (at != end) return wrong;
+    return value;
+}
+
+/// The value that belongs to a word, or what the words are.
+template <class T>
+Result<T> choice(const std::string& option, const std::string& word, const std::map<std::string, T>& values) {
+    if (const auto found = values.find(word); found != values.end()) return found->second;
+    std::string names;
+    for (const auto& entry : values) names += (names.empty() ? "" : ", ") + entry.first;
+    return usage(option + " " + word + ": expected one of " + names);
+}
+
+Status set_options(const BuildRequest& request, BuildPlan& plan) {
+    const auto map =
+        choice<GridMap>("--map", request.map, {{"octahedral", GridMap::Octahedral}, {"latlong", GridMap::LatLong}});
+    if (!map) return map.error();
+    const auto two_sided = choice<TwoSided>("--two-sided", request.two_sided,
+                                            {{"auto", TwoSided::Auto}, {"yes", TwoSided::Yes}, {"no", TwoSided::No}});
+    if (!two_sided) return two_sided.error();
+    const auto unit = choice<double>("--unit", request.unit, {{"m", 1}, {"cm", 0.01}, {"mm", 0.001}, {"in", 0.0254}});
+    if (!unit) return unit.error();
+    const auto z_up = choice<bool>("--up", request.up, {{"y", false}, {"z", true}});
+    if (!z_up) return z_up.error();
+    if (request.grid < 2 || request.grid > layout::kMaxGridSize)
+        return usage("--grid " + std::to_string(request.grid) + ": expected 2 to " +
+                     std::to_string(layout::kMaxGridSize));
+    if (request.tables != "default")
+        return usage("--tables " + request.tables + " is not supported by this version", "leave it out, or default");
+    if (!request.reflectance.empty()) {
+        const auto reflectance = parse_reflectance(request.reflectance);
+        if (!reflectance) return reflectance.error();
+        plan.import.reflectance = *reflectance;
+    }
+    plan.import.unit = *unit;
+    plan.import.z_up = *z_up;
+    plan.two_sided = *two_sided;
+    plan.fix_winding = request.fix_winding;
+    plan.if_changed = request.if_changed;
+    plan.compile.grid_map = *map;
+    plan.compile.grid_size = request.grid;
+    return Done{};
+}
+
+std::string shortest(double x) {
+    std::array<char, 32> text;
+    const auto end = std::to_chars(text.data(), text.data() + text.size(), x).ptr;
+    return {text.data(), end};
+}
+
+std::string canonical_options(const BuildRequest& request, const BuildPlan& plan) {
+    const ClusterWeights weights;
+    std::string reflectance = "none";
+    if (const auto& r = plan.import.reflectance)
+        reflectance = shortest(r->x) + "," + shortest(r->y) + "," + shortest(r->z);
+    return "grid=" + std::to_string(request.grid) + " map=" + request.map + " two_sided=" + request.two_sided +
+           " fix_winding=" + (request.fix_winding ? "yes" : "no") + " unit=" + request.unit + " up=" + request.up +
+           " reflectance=" + reflectance + " tables=" + request.tables +
+           " table_version=" + std::to_string(kTableVersion) +
+           " image=" + std::to_string(plan.compile.image_resolution) + " patch_area=1/" +
+           shortest(plan.compile.patch_area_divisor) + " patch_cone=" + shortest(plan.compile.patch_cone_cosine) +
+           " weights=orientation:" + shortest(weights.orientation) + ",reflectivity:" + shortest(weights.reflectivity) +
+           ",aspect:" + shortest(weights.aspect) + ",size:" + shortest(weights.size);
+}
+
+bool names_a_folder(const fs::path& out) {
+    std::error_code code;
+    return !out.has_filename() || fs::is_directory(out, code);
+}
+
+Result<std::vector<BuildTarget>> targets_of(const BuildRequest& request) {
+    std::error_code code;
+    if (request.meshes.size() == 1 && !names_a_folder(request.out))
+        return std::vector<BuildTarget>{{request.meshes.front(), request.out}};
+    if (fs::exists(request.out, code) && !fs::is_directory(request.out, code))
+        return usage("--out " + request.out.string() + " is a file, but several meshes need a folder");
+    std::map<fs::path, fs::path> mesh_of_stem;
+    std::vector<BuildTarget> targets;
+    for (const fs::path& mesh : request.meshes) {
+        const auto [at, is_new] = mesh_of_stem.try_emplace(mesh.stem(), mesh);
+        if (!is_new)
+            return usage(at->second.string() + " and " + mesh.string() + " would both become " +
+                             (request.out / mesh.stem()).string() + ".rro",
+                         "build them into different folders");
+        targets.push_back({mesh, request.out / (mesh.stem().string() + ".rro")});
+    }
+    return targets;
+}
+
+Status check_targets(const BuildRequest& request, const std::vector<BuildTarget>& targets) {
+    std::error_code code;
+    for (const BuildTarget& target : targets)
+        for (const fs::path& mesh : request.meshes)
+            if (fs::weakly_canonical(target.archive, code) == fs::weakly_canonical(mesh, code))
+                return usage("--out " + target.archive.string() + " would be written over the mesh");
+    const bool to_folder = targets.size() > 1 || targets.front().archive != request.out;
+    if (to_folder && !fs::create_directories(request.out, code) && code)
+        return failed(request.out.string(), "the folder cannot be made: " + code.message());
+    // Found out now rather than after minutes of work.
+    for (const fs::path& output : {targets.front().archive, request.depfile, request.report}) {
+        const fs::path folder = output.parent_path();
+        if (!folder.empty() && !fs::is_directory(folder, code))
+            return failed(output.string(), "cannot be written: there is no folder " + folder.string());
+    }
+    return Done{};
+}
+
+bool is_current(const BuildTarget& target, const ImportedMesh& imported, const BuildPlan& plan) {
+    std::error_code code;
+    if (!fs::exists(target.archive, code)) return false;
+    const auto archive = Archive::open(target.archive);
+    if (!archive) return false;
+    const ObjectMeta& meta = archive->data().meta;
+    return meta.source_sha256 == imported.sha256 && meta.options == plan.options && meta.tool_version == kToolVersion &&
+           meta.source_name == target.mesh.filename().string();
+}
+
+void warn_of_dropped(BuildOutcome& outcome, std::uint32_t dropped_by_rounding) {
+    const auto warn = [&](std::uint32_t count, const std::string& what) {
+        if (count > 0)
+            outcome.warnings.push_back(std::to_string(count) + (count == 1 ? " triangle " : " triangles ") + what);
+    };
+    const ImportReport& r = outcome.import;
+    warn(r.dropped_not_finite, "dropped: a corner is not a finite number");
+    warn(r.dropped_degenerate, "dropped: no area");
+    warn(dropped_by_rounding, "dropped: no area in single precision");
+    if (r.reflectance_clamped > 0)
+        outcome.warnings.push_back(std::to_string(r.reflectance_clamped) +
+                                   " materials reflected more than 0.95, now 0.95");
+}
+
+void count_contents(const ObjectData& data, BuildOutcome& outcome) {
+    outcome.meta = data.meta;
+    outcome.triangles = data.triangles.size();
+    outcome.faces = data.faces.size();
+    outcome.patches = data.patches.size();
+    outcome.clusters = data.clusters.size();
+    outcome.volumes = data.volumes.size();
+}
+
+/// The steps of build_target; the outcome's error and seconds are the caller's.
+Status build_into(BuildOutcome& outcome, const BuildPlan& plan, const CompileProgress& progress) {
+    const BuildTarget& target = outcome.target;
+    auto imported = import_mesh(target.mesh, plan.import);
+    if (!imported) return imported.error();
+    outcome.inputs = imported->files;
+    decide_sides(imported->mesh, plan.two_sided, plan.fix_winding, imported->report);
+    outcome.import = imported->report;
+    outcome.warnings = imported->report.warnings;
+    std::error_code code;
+    if (plan.if_changed && is_current(target, *imported, plan)) {
+        const auto archive = Archive::open(target.archive);
+        if (!archive) return archive.error();
+        warn_of_dropped(outcome, 0);
+        count_contents(archive->data(), outcome);
+        outcome.unchanged = true;
+        outcome.bytes = archive->file_bytes();
+        return Done{};
+    }
+    auto object = compile_object(imported->mesh, plan.compile, progress);
+    if (!object) {
+        Error error = object.error();
+        error.where = target.mesh.string();
+        return error;
+    }
+    warn_of_dropped(outcome, object->dropped_by_rounding);
+    object->data.meta.source_name = target.mesh.filename().string();
+    object->data.meta.source_sha256 = imported->sha256;
+    object->data.meta.options = plan.options;
+    count_contents(object->data, outcome);
+    const DeferInterrupts until_written;
+    if (const auto written = write_archive(object->data, target.archive); !written) return written.error();
+    outcome.bytes = fs::file_size(target.archive, code);
+    return Done{};
+}
+
+std::string escaped_for_make(const fs::path& path) {
+    std::string text;
+    for (const char c : path.string()) {
+        if (c == ' ' || c == '#' || c == '\\') text += '\\';
+        if (c == '$') text += '$';
+        text += c;
+    }
+    return text;
+}
+
+nlohmann::ordered_json report_of(const BuildOutcome& o) {
+    nlohmann::ordered_json entry{{"mesh", o.target.mesh.string()}, {"archive", o.target.archive.string()}};
+    if (o.error) {
+        entry["state"] = "failed";
+        entry["error"] = {{"where", o.error->where}, {"message", o.error->message}, {"hint", o.error->hint}};
+        return entry;
+    }
+    const ImportReport& r = o.import;
+    entry["state"] = o.unchanged ? "unchanged" : "written";
+    entry["source_sha256"] = o.meta.source_sha256;
+    entry["options"] = o.meta.options;
+    entry["import"] = {{"source_triangles", r.source_triangles},
+                       {"dropped_not_finite", r.dropped_not_finite},
+                       {"dropped_degenerate", r.dropped_degenerate},
+                       {"polygons_triangulated", r.polygons_triangulated},
+                       {"polygons_ear_clipped", r.polygons_ear_clipped},
+                       {"reflectance_clamped", r.reflectance_clamped},
+                       {"components", r.components},
+                       {"closed_components", r.closed_components},
+                       {"one_sided_triangles", r.one_sided_triangles},
+                       {"two_sided_triangles", r.two_sided_triangles},
+                       {"winding_fixed", r.winding_fixed}};
+    entry["object"] = {{"triangles", o.triangles}, {"faces", o.faces},        {"patches", o.patches},
+                       {"clusters", o.clusters},   {"volumes", o.volumes},    {"area", o.meta.area},
+                       {"closed", o.meta.closed},  {"convex", o.meta.convex}, {"bytes", o.bytes}};
+    entry["seconds"] = o.seconds;
+    entry["warnings"] = o.warnings;
+    return entry;
+}
+
+}  // namespace
+
+Result<BuildPlan> plan_build(const BuildRequest& request) {
+    BuildPlan plan;
+    if (const auto set = set_options(request, plan); !set) return set.error();
+    auto targets = targets_of(request);
+    if (!targets) return targets.error();
+    if (const auto good = check_targets(request, *targets); !good) return good.error();
+    plan.targets = std::move(*targets);
+    plan.options = canonical_options(request, plan);
+    return plan;
+}
+
+BuildOutcome build_target(const BuildTarget& target, const BuildPlan& plan, const CompileProgress& progress) {
+    const auto start = std::chrono::steady_clock::now();
+    BuildOutcome outcome;
+    outcome.target = target;
+    if (const auto built = build_into(outcome, plan, progress); !built) outcome.error = built.error();
+    outcome.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return outcome;
+}
+
+std::string summary_line(const BuildOutcome& o) {
+    std::array<char, 256> text;
+    std::snprintf(text.data(), text.size(), ": %zu triangles, %zu faces, %zu patches, %s%s%.1f kB, %.2f s%s",
+                  o.triangles, o.faces, o.patches, o.meta.closed ? "closed, " : "open, ",
+                  o.meta.convex ? "convex, " : "", static_cast<double>(o.bytes) / 1000, o.seconds,
+                  o.unchanged ? " (unchanged)" : "");
+    return o.target.archive.string() + text.data();
+}
+
+std::string depfile_text(const std::vector<BuildOutcome>& outcomes) {
+    std::string text;
+    for (const BuildOutcome& o : outcomes) {
+        if (o.error) continue;
+        text += escaped_for_make(o.target.archive) + ":";
+        for (const fs::path& input : o.inputs) text += " \\\n  " + escaped_for_make(input);
+        text += "\n";
+    }
+    return text;
+}
+
+std::string build_report(const std::vector<BuildOutcome>& outcomes) {
+    nlohmann::ordered_json report{{"tool", "rro-compile"}, {"version", kToolVersion}};
+    report["archives"] = nlohmann::ordered_json::array();
+    for (const BuildOutcome& o : outcomes) report["archives"].push_back(report_of(o));
+    return report.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace rro

@@ -1,0 +1,112 @@
+#include "compiler/compile_object.h"
+
+#include <algorithm>
+#include <cassert>
+#include <utility>
+
+#include "compiler/cluster_tree.h"
+#include "compiler/convexity.h"
+#include "compiler/effective_area.h"
+#include "compiler/object_bvh.h"
+#include "compiler/object_layout.h"
+#include "compiler/patches.h"
+#include "compiler/surface.h"
+#include "format/rays/object_rays.h"
+#include "format/version.h"
+
+namespace rro {
+namespace {
+
+double total_area(const Surface& surface) {
+    double area = 0;
+    for (const Vec3& a : surface.area_vector) area += length(a);
+    return area;
+}
+
+ObjectMeta make_meta(const Mesh& mesh, const Surface& surface, const CompileOptions& options) {
+    ObjectMeta meta;
+    meta.tool_version = kToolVersion;
+    meta.grid_map = options.grid_map;
+    meta.grid_size = options.grid_size;
+    meta.image_resolution = options.image_resolution;
+    meta.source_triangles = mesh.source_triangles;
+    for (std::uint32_t t = 0; t < surface.triangles.size(); ++t)
+        for (const Vec3& p : surface.corners(t)) meta.bounds.add(surface.origin + p);
+    meta.area = total_area(surface);
+    meta.closed = surface.closed;
+    meta.convex = is_convex(surface);
+    return meta;
+}
+
+/// Points the views of `data` at the vectors.
+void view_geometry(CompiledObject& object) {
+    ObjectData& data = object.data;
+    data.positions = object.positions;
+    data.triangles = object.triangles;
+    data.source_triangle = object.source_triangle;
+    data.faces = object.faces;
+    data.patches = object.patches;
+    data.clusters = object.clusters;
+    data.volumes = object.volumes;
+    data.volume_triangles = object.volume_triangles;
+}
+
+void store_areas(EffectiveAreas areas, CompiledObject& object) {
+    object.area_clusters = std::move(areas.clusters);
+    object.whole_area = std::move(areas.whole);
+    object.whole_area_scale = std::move(areas.whole_scale);
+    object.intrinsic_area = std::move(areas.intrinsic);
+    object.intrinsic_area_scale = std::move(areas.intrinsic_scale);
+    object.visibility = std::move(areas.visibility);
+    ObjectData& data = object.data;
+    data.area_clusters = object.area_clusters;
+    data.whole_area = object.whole_area;
+    data.whole_area_scale = object.whole_area_scale;
+    data.intrinsic_area = object.intrinsic_area;
+    data.intrinsic_area_scale = object.intrinsic_area_scale;
+    data.visibility = object.visibility;
+}
+
+}  // namespace
+
+Result<CompiledObject> compile_object(const Mesh& mesh, const CompileOptions& options,
+                                      const CompileProgress& progress) {
+    assert(options.grid_size >= 2 && options.image_resolution > 0 && options.patch_area_divisor > 0);
+    // Shares of the work as measured on meshes of 20,000 to 100,000 triangles.
+    const auto report = [&](std::string_view phase, double done) {
+        if (progress) progress(phase, done);
+    };
+    report("surface", 0);
+    const Result<Surface> made = make_surface(mesh);
+    if (!made) return made.error();
+    const Surface& surface = *made;
+    CompiledObject object;
+    object.data.meta = make_meta(mesh, surface, options);
+    object.data.materials = mesh.materials;
+    object.data.origin = surface.origin;
+    object.dropped_by_rounding = surface.dropped_by_rounding;
+
+    report("patches", 0.05);
+    PatchLimits limits;
+    limits.largest_area = object.data.meta.area / options.patch_area_divisor;
+    limits.cone_cosine = options.patch_cone_cosine;
+    const PatchGroups patches = make_patches(surface, limits);
+
+    report("clusters", 0.15);
+    const ClusterTree clusters = build_cluster_tree(summarise_patches(surface, patches), ClusterWeights{});
+    lay_out_object(surface, patches, clusters, object);
+
+    report("volumes", 0.25);
+    ObjectBvh bvh = build_object_bvh(object.positions, object.triangles);
+    object.volumes = std::move(bvh.volumes);
+    object.volume_triangles = std::move(bvh.triangles);
+    view_geometry(object);
+
+    report("effective areas", 0.3);
+    const ObjectRays rays(object.positions, object.triangles);
+    store_areas(measure_effective_areas(object.data, rays), object);
+    report("effective areas", 1);
+    return object;
+}
+
+}  // namespace rro

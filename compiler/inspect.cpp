@@ -1,0 +1,166 @@
+#include "compiler/inspect.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cstdint>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <numeric>
+#include <vector>
+
+namespace rro {
+namespace {
+
+std::string map_name(GridMap map) {
+    return map == GridMap::Octahedral ? "octahedral" : "latlong";
+}
+
+std::size_t cluster_depth(std::span<const Cluster> clusters) {
+    std::vector<std::size_t> depth(clusters.size(), 1);
+    std::size_t deepest = 0;
+    for (std::size_t c = 0; c < clusters.size(); ++c) {  // preorder: parents come first
+        deepest = std::max(deepest, depth[c]);
+        if (clusters[c].right_child == 0) continue;
+        depth[c + 1] = depth[clusters[c].right_child] = depth[c] + 1;
+    }
+    return deepest;
+}
+
+/// Material of every triangle, from the patches of its faces. [T]
+std::vector<std::uint32_t> triangle_materials(const ObjectData& data) {
+    std::vector<std::uint32_t> material(data.triangles.size());
+    for (const Patch& p : data.patches)
+        for (std::uint32_t f = p.first_face; f < p.first_face + p.face_count; ++f)
+            material[data.faces[f].triangle()] = p.material;
+    return material;
+}
+
+std::string shortest(double x) {
+    std::array<char, 32> text;
+    const auto end = std::to_chars(text.data(), text.data() + text.size(), x).ptr;
+    return {text.data(), end};
+}
+
+std::string quoted_field(const std::string& text) {
+    if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+    std::string quoted = "\"";
+    for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+    return quoted + "\"";
+}
+
+nlohmann::ordered_json triple(const Vec3& v) {
+    return {v.x, v.y, v.z};
+}
+
+nlohmann::ordered_json counts_of(const ObjectData& d) {
+    return {{"vertices", d.positions.size()},
+            {"triangles", d.triangles.size()},
+            {"source_triangles", d.meta.source_triangles},
+            {"faces", d.faces.size()},
+            {"patches", d.patches.size()},
+            {"clusters", d.clusters.size()},
+            {"cluster_depth", cluster_depth(d.clusters)},
+            {"volumes", d.volumes.size()},
+            {"materials", d.materials.size()},
+            {"area_clusters", d.area_clusters.size()},
+            {"directions", d.directions()}};
+}
+
+nlohmann::ordered_json inspection(const Archive& archive, const std::string& name) {
+    const ObjectData& d = archive.data();
+    const ObjectMeta& m = d.meta;
+    nlohmann::ordered_json out{
+        {"file", name},
+        {"bytes", archive.file_bytes()},
+        {"version", std::to_string(archive.version_major()) + "." + std::to_string(archive.version_minor())},
+        {"content", archive.content_sha256()},
+        {"tool_version", m.tool_version},
+        {"source", {{"name", m.source_name}, {"sha256", m.source_sha256}}},
+        {"options", m.options},
+        {"grid", {{"map", map_name(m.grid_map)}, {"size", m.grid_size}}},
+        {"image_resolution", m.image_resolution},
+        {"bounds", {{"lo", triple(m.bounds.lo)}, {"hi", triple(m.bounds.hi)}}},
+        {"origin", triple(d.origin)},
+        {"area", m.area},
+        {"closed", m.closed},
+        {"convex", m.convex},
+        {"counts", counts_of(d)}};
+    out["materials"] = nlohmann::ordered_json::array();
+    for (const Material& material : d.materials)
+        out["materials"].push_back({{"name", material.name},
+                                    {"reflectance", triple(material.reflectance)},
+                                    {"exitance", triple(material.exitance)},
+                                    {"textured", material.textured}});
+    out["sections"] = nlohmann::ordered_json::array();
+    for (const SectionInfo& s : archive.sections())
+        out["sections"].push_back({{"name", s.name},
+                                   {"codec", s.codec},
+                                   {"offset", s.offset},
+                                   {"stored_bytes", s.stored_bytes},
+                                   {"raw_bytes", s.raw_bytes},
+                                   {"crc32", s.crc32}});
+    return out;
+}
+
+template <class... Values>
+std::string line(const char* format, Values... values) {
+    std::array<char, 512> text;
+    std::snprintf(text.data(), text.size(), format, values...);
+    return std::string(text.data()) + "\n";
+}
+
+}  // namespace
+
+std::string inspection_text(const Archive& archive, const std::string& name) {
+    const ObjectData& d = archive.data();
+    const ObjectMeta& m = d.meta;
+    std::string out = name + ": format " + std::to_string(archive.version_major()) + "." +
+                      std::to_string(archive.version_minor()) + ", " + std::to_string(archive.file_bytes()) +
+                      " bytes\n";
+    out += "content    " + archive.content_sha256() + "\n";
+    out += "source     " + m.source_name + " " + m.source_sha256 + "\n";
+    out += "made by    rro-compile " + m.tool_version + "\n";
+    out += "options    " + m.options + "\n";
+    out += line("object     %s, %s; area %.6g m^2; bounds (%.6g, %.6g, %.6g) to (%.6g, %.6g, %.6g) m",
+                m.closed ? "closed" : "open", m.convex ? "convex" : "not convex", m.area, m.bounds.lo.x, m.bounds.lo.y,
+                m.bounds.lo.z, m.bounds.hi.x, m.bounds.hi.y, m.bounds.hi.z);
+    out += line("mesh       %zu triangles of %u in the source, %zu vertices, %zu faces", d.triangles.size(),
+                m.source_triangles, d.positions.size(), d.faces.size());
+    out += line("trees      %zu patches, %zu clusters (%zu deep), %zu volumes", d.patches.size(), d.clusters.size(),
+                cluster_depth(d.clusters), d.volumes.size());
+    out += line("tables     %u x %u %s directions, images of %u^2; areas of %zu clusters", m.grid_size, m.grid_size,
+                map_name(m.grid_map).c_str(), m.image_resolution, d.area_clusters.size());
+    for (const Material& material : d.materials)
+        out += "material   " + material.name +
+               line(": reflectance %.4g %.4g %.4g%s, exitance %.6g %.6g %.6g W/m^2", material.reflectance.x,
+                    material.reflectance.y, material.reflectance.z, material.textured ? " (textured)" : "",
+                    material.exitance.x, material.exitance.y, material.exitance.z);
+    for (const SectionInfo& s : archive.sections())
+        out += line("section    %-12s %-5s %12llu bytes, %12llu raw, crc32 %08x", s.name.c_str(), s.codec.c_str(),
+                    static_cast<unsigned long long>(s.stored_bytes), static_cast<unsigned long long>(s.raw_bytes),
+                    static_cast<unsigned>(s.crc32));
+    return out;
+}
+
+std::string inspection_json(const Archive& archive, const std::string& name) {
+    return inspection(archive, name).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
+std::string triangles_csv(const ObjectData& data) {
+    const std::vector<std::uint32_t> material = triangle_materials(data);
+    std::vector<std::uint32_t> order(data.triangles.size());
+    std::iota(order.begin(), order.end(), 0u);
+    std::sort(order.begin(), order.end(),
+              [&](std::uint32_t a, std::uint32_t b) { return data.source_triangle[a] < data.source_triangle[b]; });
+    std::string out = "triangle,material,ax,ay,az,bx,by,bz,cx,cy,cz\n";
+    for (const std::uint32_t t : order) {
+        out += std::to_string(data.source_triangle[t]) + "," + quoted_field(data.materials[material[t]].name);
+        for (const Vec3& p : data.corners(t))
+            for (int axis = 0; axis < 3; ++axis) out += "," + shortest(p[axis]);
+        out += "\n";
+    }
+    return out;
+}
+
+}  // namespace rro

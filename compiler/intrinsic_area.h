@@ -1,0 +1,24 @@
+// What a cluster shows when only its own triangles can hide it.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "compiler/visible_share.h"
+#include "format/object_data.h"
+#include "format/rays/object_rays.h"
+
+namespace rro {
+
+/// Sample counts of K clusters over the grid's directions, from images of half meta.image_resolution: `seen` where the
+/// first of the cluster's own triangles along the line is a face of it, seen from its side. All clusters at once: along
+/// each line the nearest triangle decides for its cluster and all above; a farther one stops at the first that is
+/// decided.
+///
+/// clusters   [K] ascending; with a cluster all its ancestors
+/// returns    [K * D]
+/// source     design 3.4
+SampleCounts count_intrinsic(const ObjectData& object, const ObjectRays& rays, const DirectionGrid& grid,
+                             std::span<const std::uint32_t> clusters);
+
+}  // namespace rro

@@ -1,0 +1,179 @@
+// rro-compile: arguments, exit code, printing; no logic.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <string>
+
+#include "compiler/build_command.h"
+#include "compiler/inspect.h"
+#include "format/archive_reader.h"
+#include "format/atomic_file.h"
+#include "format/parallel.h"
+#include "format/tool/interrupt.h"
+#include "format/tool/program.h"
+#include "format/version.h"
+
+namespace rro {
+namespace {
+
+constexpr const char* kProgram = "rro-compile";
+constexpr const char* kExamples =
+    "Examples:\n"
+    "  rro-compile build chair.obj --out chair.rro\n"
+    "  rro-compile build meshes/*.glb --out library/ --unit cm --if-changed\n"
+    "  rro-compile inspect chair.rro --json\n"
+    "  rro-compile inspect chair.rro --triangles chair.csv\n"
+    "  rro-compile verify library/*.rro\n"
+    "  rro-compile extract chair.rro --section patches --out patches.bin\n"
+    "Exit codes: 0 done, 1 the work failed, 2 wrong usage, 3 bad input, 4 internal error, 130 interrupted.";
+
+struct Arguments {
+    BuildRequest build;
+    std::vector<std::filesystem::path> archives;
+    std::filesystem::path archive, triangles, extracted;
+    std::string section;
+    unsigned threads = 0;
+    bool json = false, quiet = false, verbose = false;
+};
+
+void declare_common(CLI::App& command, Arguments& a) {
+    command.add_flag("-q,--quiet", a.quiet, "Print errors only");
+    command.add_flag("-v,--verbose", a.verbose, "Print settings and counts to stderr");
+    command.footer(kExamples);
+}
+
+void declare_build(CLI::App& build, Arguments& a) {
+    BuildRequest& r = a.build;
+    build.add_option("meshes", r.meshes, "Meshes: OBJ, PLY, OFF, STL, glTF or GLB")->required()->type_name("MESH");
+    build.add_option("-o,--out", r.out, "The archive; a folder for several meshes")
+        ->required()
+        ->type_name("FILE.rro|DIR");
+    build.add_option("--grid", r.grid, "Directions of the tables: N x N")->type_name("N")->capture_default_str();
+    build.add_option("--map", r.map, "How they cover the sphere: octahedral or latlong")
+        ->type_name("MAP")
+        ->capture_default_str();
+    build
+        .add_option("--two-sided", r.two_sided,
+                    "Triangles that reflect on both sides: auto, yes or no; auto: all but "
+                    "closed, consistently wound components")
+        ->type_name("WHICH")
+        ->capture_default_str();
+    build.add_flag("--fix-winding", r.fix_winding,
+                   "Turn triangles so that components agree and closed ones face outward");
+    build.add_option("--unit", r.unit, "Unit of the source: m, cm, mm or in")->type_name("UNIT")->capture_default_str();
+    build.add_option("--up", r.up, "Up axis of the source: y or z")->type_name("AXIS")->capture_default_str();
+    build.add_option("--reflectance", r.reflectance, "Where the source gives none")->type_name("R,G,B");
+    build.add_option("--tables", r.tables, "Tables to store: default")->type_name("LIST")->capture_default_str();
+    build.add_option("--threads", a.threads, "Threads to use; 0: all cores")->type_name("N");
+    build.add_option("--depfile", r.depfile, "Makefile rules of all files read")->type_name("FILE");
+    build.add_option("--report", r.report, "What was imported and built, as JSON")->type_name("FILE.json");
+    build.add_flag("--if-changed", r.if_changed,
+                   "Leave archives alone that were made from the same source and options");
+    declare_common(build, a);
+}
+
+int run_build(const Arguments& a) {
+    const auto plan = plan_build(a.build);
+    if (!plan) return report_error(kProgram, plan.error());
+    if (a.verbose) std::fprintf(stderr, "options: %s\n", plan->options.c_str());
+    int code = 0;
+    std::vector<BuildOutcome> outcomes;
+    for (const BuildTarget& target : plan->targets) {
+        TerminalProgress progress(a.quiet);
+        const BuildOutcome& outcome = outcomes.emplace_back(build_target(target, *plan, progress.callback()));
+        progress.clear();
+        if (!a.quiet)
+            for (const std::string& warning : outcome.warnings)
+                report_warning(kProgram, target.mesh.string() + ": " + warning);
+        if (outcome.error)
+            code = std::max(code, report_error(kProgram, *outcome.error));
+        else if (!a.quiet)
+            std::puts(summary_line(outcome).c_str());
+    }
+    const auto write = [&](const std::filesystem::path& path, const std::string& text) {
+        if (path.empty()) return;
+        const DeferInterrupts until_written;
+        if (const auto written = write_file_atomically(path, text); !written)
+            code = std::max(code, report_error(kProgram, written.error()));
+    };
+    write(a.build.depfile, depfile_text(outcomes));
+    write(a.build.report, build_report(outcomes));
+    return code;
+}
+
+int run_inspect(const Arguments& a) {
+    const auto archive = Archive::open(a.archive);
+    if (!archive) return report_error(kProgram, archive.error());
+    if (!a.triangles.empty())
+        if (const auto written = write_file_atomically(a.triangles, triangles_csv(archive->data())); !written)
+            return report_error(kProgram, written.error());
+    const std::string name = a.archive.string();
+    if (a.json || !a.quiet)
+        std::fputs((a.json ? inspection_json(*archive, name) : inspection_text(*archive, name)).c_str(), stdout);
+    return 0;
+}
+
+int run_verify(const Arguments& a) {
+    int code = 0;
+    for (const std::filesystem::path& path : a.archives) {
+        const auto archive = Archive::open(path);
+        if (!archive)
+            code = std::max(code, report_error(kProgram, archive.error()));
+        else if (!a.quiet)
+            std::printf("%s: good\n", path.c_str());
+    }
+    return code;
+}
+
+int run_extract(const Arguments& a) {
+    const auto archive = Archive::open(a.archive);
+    if (!archive) return report_error(kProgram, archive.error());
+    const auto section = archive->section(a.section);
+    if (!section) return report_error(kProgram, section.error());
+    const auto written = write_file_atomically(a.extracted, *section);
+    return written ? 0 : report_error(kProgram, written.error());
+}
+
+int main_with(int argc, char** argv) {
+    Arguments a;
+    CLI::App app("Compiles meshes into reusable radiosity objects.", kProgram);
+    app.set_version_flag("--version", std::string(kProgram) + " " + std::string(kToolVersion));
+    app.require_subcommand(1);
+    app.footer(kExamples);
+    CLI::App* build = app.add_subcommand("build", "Compile meshes into archives");
+    declare_build(*build, a);
+    CLI::App* inspect = app.add_subcommand("inspect", "Show what an archive holds");
+    inspect->add_option("archive", a.archive, "The archive")->required()->type_name("FILE.rro");
+    inspect->add_flag("--json", a.json, "As JSON");
+    inspect->add_option("--triangles", a.triangles, "Triangles by source number, as CSV")->type_name("OUT.csv");
+    declare_common(*inspect, a);
+    CLI::App* verify = app.add_subcommand("verify", "Check archives completely");
+    verify->add_option("archives", a.archives, "The archives")->required()->type_name("FILE.rro");
+    declare_common(*verify, a);
+    CLI::App* extract = app.add_subcommand("extract", "Write one section as a plain FlatBuffers buffer");
+    extract->add_option("archive", a.archive, "The archive")->required()->type_name("FILE.rro");
+    extract->add_option("--section", a.section, "Its name, as inspect shows it")->required()->type_name("NAME");
+    extract->add_option("-o,--out", a.extracted, "The buffer")->required()->type_name("FILE.bin");
+    declare_common(*extract, a);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
+        return report_error(kProgram, {ErrorKind::Usage, "", error.what(), "rro-compile --help shows the options"});
+    }
+    set_thread_count(a.threads);
+    if (build->parsed()) return run_build(a);
+    if (inspect->parsed()) return run_inspect(a);
+    return verify->parsed() ? run_verify(a) : run_extract(a);
+}
+
+}  // namespace
+}  // namespace rro
+
+int main(int argc, char** argv) {
+    rro::end_on_interrupt();
+    try {
+        return rro::main_with(argc, argv);
+    } catch (const std::exception& exception) {
+        return rro::report_error(rro::kProgram, rro::error_from_exception(exception));
+    }
+}

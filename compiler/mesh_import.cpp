@@ -1,0 +1,307 @@
+#include "compiler/mesh_import.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <span>
+
+#include "compiler/mesh_polygon.h"
+#include "compiler/mesh_readers.h"
+#include "compiler/mesh_text.h"
+#include "compiler/mesh_weld.h"
+#include "format/sha256.h"
+
+namespace rro {
+namespace {
+
+constexpr double largest_reflectance = 0.95;  // imported ones; a scene with 1 would never settle
+constexpr Vec3 unknown_reflectance{0.5, 0.5, 0.5};
+
+/// Of (longest edge)^2: below, a triangle's area and normal are rounding errors of its coordinates.
+constexpr double no_area = 1e-14;
+
+/// Metres. Areas of such extents, of triangles a million times smaller, and their products with radiosities are floats.
+constexpr double largest_extent = 1e15, smallest_extent = 1e-13;
+
+/// Distance from the origin over extent. Beyond it double coordinates resolve a shape to less than 1 in 10,000.
+constexpr double largest_distance = 1e11;
+
+Result<SourceMesh> read_source(const std::filesystem::path& path, SourceFiles& files) {
+    std::string ending = path.extension().string();
+    for (char& c : ending)
+        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    if (ending != ".obj" && ending != ".gltf" && ending != ".glb" && ending != ".ply" && ending != ".stl" &&
+        ending != ".off")
+        return bad_input(path.string(),
+                         "found the ending " + in_quotes(ending) + ", expected .obj, .gltf, .glb, .ply, .stl or .off",
+                         "the ending tells the format");
+    const auto content = files.read(path);
+    if (!content) return content.error();
+    std::string_view bytes = *content;
+    if (bytes.empty()) return bad_input(path.string(), "the file is empty");
+    constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";
+    if (bytes.starts_with(byte_order_mark)) bytes.remove_prefix(byte_order_mark.size());
+    if (ending == ".obj") return read_obj(path, bytes, files);
+    if (ending == ".ply") return read_ply(path, bytes);
+    if (ending == ".stl") return read_stl(path, bytes);
+    if (ending == ".off") return read_off(path, bytes);
+    return read_gltf(path, bytes, files);
+}
+
+Status check_indices(const SourceMesh& source, const std::filesystem::path& path) {
+    std::size_t corner = 0;
+    for (std::size_t face = 0; face < source.face_end.size(); ++face)
+        for (; corner < source.face_end[face]; ++corner)
+            if (source.corners[corner] >= source.positions.size())
+                return bad_input(source.face_line.empty() ? path.string() + ": face " + std::to_string(face)
+                                                          : at_line(path, source.face_line[face]),
+                                 "index " + std::to_string(source.corners[corner]) + " counted from 0, but there are " +
+                                     std::to_string(source.positions.size()) + " vertices");
+    return Done{};
+}
+
+/// Into metres, y up.
+void to_archive_frame(std::vector<Vec3>& positions, const ImportOptions& options) {
+    for (Vec3& p : positions) {
+        if (options.z_up) p = {p.x, p.z, -p.y};
+        p *= options.unit;
+    }
+}
+
+/// A triangle of the source that is kept so far: its corners as places in SourceMesh::corners.
+struct KeptTriangle {
+    std::array<std::uint32_t, 3> corners;
+    std::uint32_t face, number;
+};
+
+/// All triangles whose corners are finite; counts the others.
+std::vector<KeptTriangle> finite_triangles(const SourceMesh& source, ImportReport& report) {
+    std::vector<KeptTriangle> kept;
+    std::vector<Vec3> polygon;
+    std::size_t short_faces = 0;
+    std::uint32_t first = 0;
+    for (std::uint32_t face = 0; face < source.face_end.size(); first = source.face_end[face++]) {
+        const std::uint32_t k = source.face_end[face] - first;
+        short_faces += k < 3 ? 1 : 0;
+        if (k < 3) continue;
+        polygon.clear();
+        for (std::uint32_t i = 0; i < k; ++i) polygon.push_back(source.positions[source.corners[first + i]]);
+        const PolygonTriangles cut = triangulate_polygon(polygon);
+        report.polygons_triangulated += k > 3 ? 1 : 0;
+        report.polygons_ear_clipped += cut.ear_clipped ? 1 : 0;
+        for (const auto& [a, b, c] : cut.triangles) {
+            const std::uint32_t number = report.source_triangles++;
+            if (is_finite(polygon[a]) && is_finite(polygon[b]) && is_finite(polygon[c]))
+                kept.push_back({{first + a, first + b, first + c}, face, number});
+            else
+                ++report.dropped_not_finite;
+        }
+    }
+    if (short_faces > 0)
+        report.warnings.push_back(std::to_string(short_faces) + " faces with fewer than three corners are ignored");
+    return kept;
+}
+
+TriangleCorners corners_of(const SourceMesh& source, const KeptTriangle& triangle) {
+    const auto at = [&](std::size_t i) { return source.positions[source.corners[triangle.corners[i]]]; };
+    return {at(0), at(1), at(2)};
+}
+
+bool has_area(const TriangleCorners& t) {
+    const double longest = std::max({length2(t[1] - t[0]), length2(t[2] - t[1]), length2(t[0] - t[2])});
+    return length(area_vector(t)) > no_area * longest;
+}
+
+Status check_extent(const SourceMesh& source, const std::vector<KeptTriangle>& triangles,
+                    const std::filesystem::path& path) {
+    Box3 box;
+    for (const KeptTriangle& triangle : triangles)
+        for (const Vec3& p : corners_of(source, triangle)) box.add(p);
+    if (box.empty()) return Done{};  // what follows says that nothing is left
+    const double extent = max_component(box.extent());
+    const double distance = std::max(max_component(box.hi), max_component(-box.lo));
+    const auto metres = [](double x) {
+        std::array<char, 32> text;
+        std::snprintf(text.data(), text.size(), "%.3g m", x);
+        return std::string(text.data());
+    };
+    if (extent > largest_extent || (extent > 0 && extent < smallest_extent))
+        return bad_input(path.string(),
+                         "the mesh extends over " + metres(extent) + ", expected " + metres(smallest_extent) + " to " +
+                             metres(largest_extent) + ": its areas would be no numbers",
+                         "check --unit, and the file for stray vertices");
+    if (distance > largest_distance * extent)
+        return bad_input(path.string(),
+                         "the mesh lies " + metres(distance) + " from the origin but extends over " + metres(extent) +
+                             " only: its coordinates do not resolve its shape",
+                         "move it nearer to the origin");
+    return Done{};
+}
+
+/// Takes those without an area out and returns them.
+std::vector<KeptTriangle> drop_degenerate(const SourceMesh& source, std::vector<KeptTriangle>& triangles,
+                                          ImportReport& report) {
+    std::vector<KeptTriangle> dropped;
+    std::erase_if(triangles, [&](const KeptTriangle& triangle) {
+        if (has_area(corners_of(source, triangle))) return false;
+        dropped.push_back(triangle);
+        return true;
+    });
+    report.dropped_degenerate = static_cast<std::uint32_t>(dropped.size());
+    return dropped;
+}
+
+/// Positions in use, equal ones as one, in order of first use; triangles over them; and slits, those of the dropped
+/// ones that have three corners in use.
+void fill_triangles(const SourceMesh& source, const std::vector<KeptTriangle>& triangles,
+                    const std::vector<KeptTriangle>& dropped, Mesh& mesh) {
+    constexpr std::uint32_t unused = std::numeric_limits<std::uint32_t>::max();
+    const std::vector<std::uint32_t> welded = weld_positions(source.positions);
+    std::vector<std::uint32_t> index(source.positions.size(), unused);
+    for (const KeptTriangle& triangle : triangles) {
+        TriangleIndices corners;
+        for (std::size_t i = 0; i < 3; ++i) {
+            const std::uint32_t position = welded[source.corners[triangle.corners[i]]];
+            if (index[position] == unused) {
+                index[position] = static_cast<std::uint32_t>(mesh.positions.size());
+                mesh.positions.push_back(source.positions[position]);
+            }
+            corners[i] = index[position];
+        }
+        mesh.triangles.push_back(corners);
+        mesh.source_triangle.push_back(triangle.number);
+    }
+    for (const KeptTriangle& triangle : dropped) {
+        TriangleIndices corners;
+        for (std::size_t i = 0; i < 3; ++i) corners[i] = index[welded[source.corners[triangle.corners[i]]]];
+        const auto [a, b, c] = corners;
+        if (a != b && b != c && c != a && a != unused && b != unused && c != unused) mesh.slits.push_back(corners);
+    }
+}
+
+/// Materials of faces that have triangles, in order of first use. Returns their numbers in the source.
+std::vector<std::uint32_t> fill_materials(const SourceMesh& source, const std::vector<KeptTriangle>& triangles,
+                                          Mesh& mesh) {
+    std::vector<std::uint32_t> used;
+    std::vector<std::optional<std::uint32_t>> index(source.materials.size());
+    std::uint32_t first = 0;
+    for (std::size_t face = 0; face < source.face_end.size(); first = source.face_end[face++]) {
+        auto& at = index[source.face_material[face]];
+        if (at || source.face_end[face] - first < 3) continue;
+        at = static_cast<std::uint32_t>(used.size());
+        used.push_back(source.face_material[face]);
+    }
+    for (const KeptTriangle& triangle : triangles) mesh.material.push_back(*index[source.face_material[triangle.face]]);
+    return used;
+}
+
+Vec3 clamped(Vec3 reflectance, bool& was_above) {
+    for (int c = 0; c < 3; ++c) {
+        was_above = was_above || reflectance[c] > largest_reflectance;
+        reflectance[c] = std::clamp(reflectance[c], 0.0, largest_reflectance);
+    }
+    return reflectance;
+}
+
+/// What texture and colours make of a triangle, as a factor.
+Vec3 colour_factor(const SourceMesh& source, const SourceMaterial& material, const KeptTriangle& triangle) {
+    Vec3 factor{1, 1, 1};
+    const auto& c = triangle.corners;
+    if (!source.colours.empty()) factor = (source.colours[c[0]] + source.colours[c[1]] + source.colours[c[2]]) / 3;
+    if (!material.texture) return factor;
+    const Texture& texture = source.textures[material.texture->texture];
+    if (source.uvs.empty()) return hadamard(factor, texture.mean);
+    return hadamard(
+        factor, mean_over_triangle(texture, *material.texture, {source.uvs[c[0]], source.uvs[c[1]], source.uvs[c[2]]}));
+}
+
+/// Reflectances per triangle, and per material as their mean over its area.
+void fill_colours(const SourceMesh& source, const std::vector<KeptTriangle>& triangles,
+                  const std::vector<std::uint32_t>& used, const ImportOptions& options, Mesh& mesh,
+                  ImportReport& report) {
+    struct Sum {
+        Vec3 colour;
+        double area = 0;
+        bool above = false;
+    };
+    std::vector<Sum> sums(used.size());
+    std::vector<Vec3> base;
+    for (const std::uint32_t number : used)
+        base.push_back(
+            source.materials[number].reflectance.value_or(options.reflectance.value_or(unknown_reflectance)));
+    bool varies = !source.colours.empty();
+    for (const std::uint32_t number : used) varies = varies || source.materials[number].texture.has_value();
+    for (std::size_t t = 0; t < triangles.size(); ++t) {
+        const std::uint32_t m = mesh.material[t];
+        const Vec3 colour =
+            clamped(hadamard(base[m], colour_factor(source, source.materials[used[m]], triangles[t])), sums[m].above);
+        const double area = length(area_vector(corners_of(source, triangles[t])));
+        sums[m].colour += colour * area;
+        sums[m].area += area;
+        if (varies) mesh.reflectance.push_back(to_float(colour));
+    }
+    for (std::size_t m = 0; m < used.size(); ++m) {
+        const SourceMaterial& material = source.materials[used[m]];
+        const bool textured = material.texture || !source.colours.empty();
+        const Vec3 whole =
+            material.texture ? hadamard(base[m], source.textures[material.texture->texture].mean) : base[m];
+        Vec3 reflectance = textured && sums[m].area > 0 ? sums[m].colour / sums[m].area : clamped(whole, sums[m].above);
+        mesh.materials.push_back({material.name, reflectance, material.exitance, textured});
+        report.reflectance_clamped += sums[m].above ? 1 : 0;
+    }
+}
+
+Error nothing_left(const std::filesystem::path& path, const ImportReport& report) {
+    if (report.source_triangles == 0) return bad_input(path.string(), "the file has no faces, expected at least one");
+    return bad_input(path.string(), "none of the " + std::to_string(report.source_triangles) +
+                                        " triangles has an area: " + std::to_string(report.dropped_not_finite) +
+                                        " with corners that are not finite, " +
+                                        std::to_string(report.dropped_degenerate) + " degenerate");
+}
+
+}  // namespace
+
+Result<std::string> SourceFiles::read(const std::filesystem::path& path) {
+    std::error_code fault;
+    const auto status = std::filesystem::status(path, fault);
+    if (!std::filesystem::exists(status)) return bad_input(path.string(), "no such file");
+    if (std::filesystem::is_directory(status)) return bad_input(path.string(), "found a folder, expected a file");
+    std::ifstream stream(path, std::ios::binary);
+    std::string content(std::istreambuf_iterator<char>(stream), {});
+    if (!stream.is_open() || stream.bad()) return bad_input(path.string(), "the file cannot be read");
+    if (std::find(paths_.begin(), paths_.end(), path) == paths_.end()) {
+        paths_.push_back(path);
+        bytes_ += content;
+    }
+    return content;
+}
+
+Result<ImportedMesh> import_mesh(const std::filesystem::path& path, const ImportOptions& options) {
+    assert(options.unit > 0);
+    SourceFiles files;
+    auto read = read_source(path, files);
+    if (!read) return read.error();
+    SourceMesh source = *std::move(read);
+    if (auto checked = check_indices(source, path); !checked) return checked.error();
+    to_archive_frame(source.positions, options);
+
+    ImportedMesh imported;
+    Mesh& mesh = imported.mesh;
+    ImportReport& report = imported.report;
+    report.warnings = std::move(source.warnings);
+    std::vector<KeptTriangle> triangles = finite_triangles(source, report);
+    if (auto checked = check_extent(source, triangles, path); !checked) return checked.error();
+    const std::vector<KeptTriangle> dropped = drop_degenerate(source, triangles, report);
+    if (triangles.empty()) return nothing_left(path, report);
+    fill_triangles(source, triangles, dropped, mesh);
+    const std::vector<std::uint32_t> used = fill_materials(source, triangles, mesh);
+    fill_colours(source, triangles, used, options, mesh, report);
+    mesh.source_triangles = report.source_triangles;
+    imported.sha256 = sha256_hex(std::as_bytes(std::span(files.bytes())));
+    imported.files = files.paths();
+    return imported;
+}
+
+}  // namespace rro

@@ -1,0 +1,99 @@
+#include "compiler/mesh_texture.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+
+// A private copy: whether a shared library exports these symbols is none of our business.
+#define STB_IMAGE_IMPLEMENTATION
+#define STB_IMAGE_STATIC
+#define STBI_NO_STDIO
+#include <stb/stb_image.h>
+
+namespace rro {
+namespace {
+
+constexpr std::int64_t most_pixels = std::int64_t{1} << 28;  // 16384 x 16384: beyond it a file is broken or hostile
+
+std::array<double, 256> linear_values() {
+    std::array<double, 256> table{};
+    for (std::size_t i = 0; i < table.size(); ++i) {
+        const double s = static_cast<double>(i) / 255;
+        table[i] = s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);  // IEC 61966-2-1
+    }
+    return table;
+}
+
+Vec3 texel(const Texture& texture, std::size_t column, std::size_t row) {
+    const std::uint8_t* rgb = texture.rgb.data() + 3 * (row * texture.width + column);
+    return {srgb_to_linear(rgb[0]), srgb_to_linear(rgb[1]), srgb_to_linear(rgb[2])};
+}
+
+Vec3 mean_of_image(const Texture& texture) {
+    Vec3 sum;
+    for (std::size_t row = 0; row < texture.height; ++row)
+        for (std::size_t column = 0; column < texture.width; ++column) sum += texel(texture, column, row);
+    return sum / (static_cast<double>(texture.width) * texture.height);
+}
+
+std::size_t wrapped(double x, TextureWrap wrap, std::uint32_t count) {
+    if (wrap == TextureWrap::Repeat) x -= std::floor(x);
+    if (wrap == TextureWrap::Mirror) x = 1 - std::abs(x - 2 * std::floor(x / 2) - 1);
+    return static_cast<std::size_t>(std::clamp(std::floor(x * count), 0.0, count - 1.0));
+}
+
+}  // namespace
+
+double srgb_to_linear(std::uint8_t value) {
+    static const std::array<double, 256> table = linear_values();
+    return table[value];
+}
+
+std::optional<Texture> decode_texture(std::string_view bytes) {
+    if (bytes.empty() || bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) return std::nullopt;
+    const auto* data = reinterpret_cast<const stbi_uc*>(bytes.data());
+    const int size = static_cast<int>(bytes.size());
+    int width = 0, height = 0, channels = 0;
+    if (!stbi_info_from_memory(data, size, &width, &height, &channels)) return std::nullopt;
+    if (std::int64_t{width} * height > most_pixels) return std::nullopt;
+    const std::unique_ptr<stbi_uc, void (*)(void*)> pixels(
+        stbi_load_from_memory(data, size, &width, &height, &channels, STBI_rgb), stbi_image_free);
+    if (!pixels || width <= 0 || height <= 0) return std::nullopt;
+    Texture texture;
+    texture.width = static_cast<std::uint32_t>(width);
+    texture.height = static_cast<std::uint32_t>(height);
+    texture.rgb.assign(pixels.get(), pixels.get() + std::size_t{3} * texture.width * texture.height);
+    texture.mean = mean_of_image(texture);
+    return texture;
+}
+
+Vec3 mean_over_triangle(const Texture& texture, const TextureUse& use, const std::array<Uv, 3>& corners) {
+    std::array<Vec3, 3> at;  // image u, v
+    double longest = 0;      // in pixels
+    for (std::size_t i = 0; i < 3; ++i) {
+        const auto [u, v] = corners[i];
+        at[i] = {use.to_u[0] * u + use.to_u[1] * v + use.to_u[2], use.to_v[0] * u + use.to_v[1] * v + use.to_v[2], 0};
+        if (!is_finite(at[i])) return texture.mean;
+    }
+    for (std::size_t i = 0; i < 3; ++i) {
+        const Vec3 edge = at[(i + 1) % 3] - at[i];
+        longest = std::max({longest, std::abs(edge.x) * texture.width, std::abs(edge.y) * texture.height});
+    }
+    // Centroids of n^2 congruent parts: at least 16, more where the triangle covers many pixels, at most 1024.
+    const int n = static_cast<int>(std::clamp(std::ceil(longest / 2), 4.0, 32.0));
+    const Vec3 along = (at[1] - at[0]) / n, across = (at[2] - at[0]) / n;
+    Vec3 sum;
+    const auto add = [&](double i, double j) {
+        const Vec3 p = at[0] + along * i + across * j;
+        sum += texel(texture, wrapped(p.x, use.wrap_u, texture.width), wrapped(p.y, use.wrap_v, texture.height));
+    };
+    for (int j = 0; j < n; ++j)
+        for (int i = 0; i + j < n; ++i) {
+            add(i + 1.0 / 3, j + 1.0 / 3);
+            if (i + j + 1 < n) add(i + 2.0 / 3, j + 2.0 / 3);
+        }
+    return sum / (static_cast<double>(n) * n);
+}
+
+}  // namespace rro

@@ -1,0 +1,192 @@
+#include "compiler/patches.h"
+
+#include <algorithm>
+#include <array>
+#include <deque>
+#include <queue>
+#include <utility>
+
+namespace rro {
+namespace {
+
+constexpr std::uint32_t kNone = 0xffffffffu;
+constexpr double kCrumbShare = 0.25;  // of the largest area: smaller patches look for a neighbour to join
+
+/// Sums over the faces of a patch.
+struct Sums {
+    Vec3 area_vector, reflectance;  // reflectance times area
+    double area = 0;
+
+    void add(const Surface& surface, std::uint32_t face) {
+        const double a = length(surface.area_vector[face]);
+        area_vector += surface.area_vector[face];
+        reflectance += surface.reflectance[face] * a;
+        area += a;
+    }
+};
+
+bool fits(const Surface& surface, const PatchLimits& limits, const Sums& sums, std::uint32_t face) {
+    const Vec3& n = surface.area_vector[face];
+    if (dot(n, sums.area_vector) < limits.cone_cosine * length(n) * length(sums.area_vector)) return false;
+    const Vec3 off = surface.reflectance[face] - sums.reflectance / sums.area;
+    return std::max({std::abs(off.x), std::abs(off.y), std::abs(off.z)}) <= limits.reflectance_spread;
+}
+
+Sums sums_of(const Surface& surface, std::span<const std::uint32_t> faces) {
+    Sums sums;
+    for (const std::uint32_t f : faces) sums.add(surface, f);
+    return sums;
+}
+
+bool all_fit(const Surface& surface, const PatchLimits& limits, std::span<const std::uint32_t> faces) {
+    const Sums sums = sums_of(surface, faces);
+    return std::all_of(faces.begin(), faces.end(), [&](std::uint32_t f) { return fits(surface, limits, sums, f); });
+}
+
+/// Grows one patch after the other and remembers who owns which face.
+class Growth {
+  public:
+    Growth(const Surface& surface, const PatchLimits& limits, const FaceAdjacency& adjacency)
+        : surface_(surface), limits_(limits), adjacency_(adjacency) {
+        owner_.assign(surface.faces.size(), kNone);
+        queued_for_.assign(surface.faces.size(), kNone);
+        centre_.reserve(surface.faces.size());
+        for (const Face f : surface.faces) {
+            const TriangleCorners c = surface.corners(f.triangle());
+            centre_.push_back((c[0] + c[1] + c[2]) / 3);
+        }
+    }
+
+    std::vector<std::vector<std::uint32_t>> run() {
+        for (std::uint32_t first = 0; first < owner_.size(); ++first) {
+            rim_.push_back(first);
+            while (!rim_.empty()) {
+                const std::uint32_t seed = rim_.front();
+                rim_.pop_front();
+                if (owner_[seed] == kNone) grow(seed);
+            }
+        }
+        join_crumbs();
+        std::erase_if(patches_, [](const auto& p) { return p.empty(); });
+        for (auto& patch : patches_) std::sort(patch.begin(), patch.end());
+        return std::move(patches_);
+    }
+
+  private:
+    std::span<const std::uint32_t> neighbours(std::uint32_t face) const {
+        return std::span(adjacency_.neighbour)
+            .subspan(adjacency_.first[face], adjacency_.first[face + 1] - adjacency_.first[face]);
+    }
+
+    void grow(std::uint32_t seed) {
+        const auto id = static_cast<std::uint32_t>(patches_.size());
+        std::priority_queue<std::pair<double, std::uint32_t>, std::vector<std::pair<double, std::uint32_t>>,
+                            std::greater<>>
+            nearest;
+        std::vector<std::uint32_t> taken;
+        Sums sums;
+        nearest.emplace(0, seed);
+        queued_for_[seed] = id;
+        while (!nearest.empty()) {
+            const std::uint32_t face = nearest.top().second;
+            if (face != seed) {
+                if (sums.area + length(surface_.area_vector[face]) > limits_.largest_area) break;
+                if (!fits(surface_, limits_, sums, face)) {
+                    rim_.push_back(face);
+                    nearest.pop();
+                    continue;
+                }
+            }
+            nearest.pop();
+            taken.push_back(face);
+            sums.add(surface_, face);
+            for (const std::uint32_t next : neighbours(face)) {
+                if (owner_[next] != kNone || queued_for_[next] == id) continue;
+                if (surface_.material[next] != surface_.material[seed]) continue;
+                queued_for_[next] = id;
+                nearest.emplace(length2(centre_[next] - centre_[seed]), next);
+            }
+        }
+        for (; !nearest.empty(); nearest.pop()) rim_.push_back(nearest.top().second);
+        release_misfits(taken);
+        for (const std::uint32_t f : taken) owner_[f] = id;
+        patches_.push_back(std::move(taken));
+    }
+
+    /// The mean moved while the patch grew; faces that no longer fit go back. At least the seed stays.
+    void release_misfits(std::vector<std::uint32_t>& taken) {
+        const std::uint32_t seed = taken.front();
+        constexpr int kRounds = 4;  // each round moves the mean less; nearly all patches need none or one
+        for (int round = 0; round < kRounds && !all_fit(surface_, limits_, taken); ++round) {
+            const Sums sums = sums_of(surface_, taken);
+            std::erase_if(taken, [&](std::uint32_t f) {
+                const bool out = f != seed && !fits(surface_, limits_, sums, f);
+                if (out) rim_.push_back(f);
+                return out;
+            });
+        }
+        if (all_fit(surface_, limits_, taken)) return;
+        rim_.insert(rim_.end(), taken.begin() + 1, taken.end());
+        taken.resize(1);
+    }
+
+    /// Small leftovers between patches join the nearest neighbour that stays within the limits.
+    void join_crumbs() {
+        constexpr std::size_t kTries = 8;
+        for (std::uint32_t p = 0; p < patches_.size(); ++p) {
+            const double area = sums_of(surface_, patches_[p]).area;
+            if (area >= kCrumbShare * limits_.largest_area) continue;
+            std::vector<std::uint32_t> near = patches_beside(p);
+            for (std::size_t k = 0; k < std::min(near.size(), kTries); ++k) {
+                std::vector<std::uint32_t> both = patches_[near[k]];
+                both.insert(both.end(), patches_[p].begin(), patches_[p].end());
+                if (sums_of(surface_, both).area > limits_.largest_area || !all_fit(surface_, limits_, both)) continue;
+                for (const std::uint32_t f : patches_[p]) owner_[f] = near[k];
+                patches_[near[k]] = std::move(both);
+                patches_[p].clear();
+                break;
+            }
+        }
+    }
+
+    /// Patches of the same material that share an edge with p, the one whose seed is nearest first.
+    std::vector<std::uint32_t> patches_beside(std::uint32_t p) const {
+        std::vector<std::pair<double, std::uint32_t>> found;
+        const std::uint32_t seed = patches_[p].front();
+        for (const std::uint32_t f : patches_[p])
+            for (const std::uint32_t next : neighbours(f))
+                if (owner_[next] != p && surface_.material[next] == surface_.material[seed])
+                    found.emplace_back(length2(centre_[patches_[owner_[next]].front()] - centre_[seed]), owner_[next]);
+        std::sort(found.begin(), found.end());
+        std::vector<std::uint32_t> result;
+        for (const auto& entry : found)
+            if (result.empty() || result.back() != entry.second) result.push_back(entry.second);
+        return result;
+    }
+
+    const Surface& surface_;
+    const PatchLimits& limits_;
+    const FaceAdjacency& adjacency_;
+    std::vector<std::uint32_t> owner_;       // [F] patch, or kNone
+    std::vector<std::uint32_t> queued_for_;  // [F] the last patch that looked at the face
+    std::vector<Vec3> centre_;               // [F]
+    std::deque<std::uint32_t> rim_;          // faces beside finished patches: the next seeds
+    std::vector<std::vector<std::uint32_t>> patches_;
+};
+
+}  // namespace
+
+PatchGroups make_patches(const Surface& surface, const PatchLimits& limits) {
+    const FaceAdjacency adjacency = face_adjacency(surface, limits.cone_cosine);
+    const std::vector<std::vector<std::uint32_t>> patches = Growth(surface, limits, adjacency).run();
+    PatchGroups groups;
+    groups.faces.reserve(surface.faces.size());
+    groups.first.push_back(0);
+    for (const auto& patch : patches) {
+        groups.faces.insert(groups.faces.end(), patch.begin(), patch.end());
+        groups.first.push_back(static_cast<std::uint32_t>(groups.faces.size()));
+    }
+    return groups;
+}
+
+}  // namespace rro

@@ -1,0 +1,98 @@
+#include "format/atomic_file.h"
+
+#include <atomic>
+#include <cerrno>
+#include <string>
+#include <system_error>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace rro {
+namespace {
+
+namespace fs = std::filesystem;
+
+Error cannot_write(const fs::path& path, int reason) {
+    return failed(path.string(), "cannot be written: " + std::generic_category().message(reason));
+}
+
+/// Writes all bytes; 0, or the system's reason.
+int write_all(int file, std::span<const std::byte> bytes) {
+    while (!bytes.empty()) {
+        const ssize_t written = ::write(file, bytes.data(), bytes.size());
+        if (written < 0 && errno == EINTR) continue;
+        if (written < 0) return errno;
+        bytes = bytes.subspan(static_cast<std::size_t>(written));
+    }
+    return 0;
+}
+
+/// Opens a file of a new name beside `target`, with the permissions any new file gets; -1 and errno if it cannot.
+int open_beside(const fs::path& target, fs::path& name) {
+    static std::atomic<unsigned> counter{0};
+    for (;;) {
+        const std::string suffix = std::to_string(::getpid()) + "-" + std::to_string(counter++);
+        name = target.parent_path() / ("." + target.filename().string() + "." + suffix + ".part");
+        const int file = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        if (file >= 0 || errno != EEXIST) return file;
+    }
+}
+
+/// The rename itself must survive a power cut. A folder that cannot be opened or synced (some network file systems)
+/// has still got the new file, so this is no failure.
+void sync_folder(const fs::path& folder) {
+    const int handle = ::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (handle < 0) return;
+    ::fsync(handle);
+    ::close(handle);
+}
+
+/// Fills and syncs the temporary file, keeping the permissions of a file it will replace; 0, or the system's reason.
+int fill(int file, const fs::path& target, std::span<const std::byte> bytes) {
+    struct stat old {};
+    if (::stat(target.c_str(), &old) == 0 && ::fchmod(file, old.st_mode & 07777) != 0) return errno;
+    if (const int reason = write_all(file, bytes)) return reason;
+    return ::fsync(file) == 0 ? 0 : errno;
+}
+
+/// Devices and pipes (`--out /dev/stdout`) are written to, never replaced.
+Status write_in_place(const fs::path& path, std::span<const std::byte> bytes) {
+    const int file = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
+    if (file < 0) return cannot_write(path, errno);
+    const int reason = write_all(file, bytes);
+    ::close(file);
+    if (reason) return cannot_write(path, reason);
+    return Done{};
+}
+
+}  // namespace
+
+Status write_file_atomically(const fs::path& path, std::span<const std::byte> bytes) {
+    std::error_code ignored;
+    const fs::file_status status = fs::status(path, ignored);
+    if (fs::is_directory(status)) return cannot_write(path, EISDIR);
+    if (fs::exists(status) && !fs::is_regular_file(status)) return write_in_place(path, bytes);
+    // A link keeps pointing to its file, which gets the new content.
+    const fs::path target = fs::is_symlink(path, ignored) && fs::exists(status) ? fs::canonical(path, ignored) : path;
+
+    fs::path temporary;
+    const int file = open_beside(target, temporary);
+    if (file < 0) return cannot_write(path, errno);
+    int reason = fill(file, target, bytes);
+    if (::close(file) != 0 && !reason) reason = errno;
+    if (!reason && ::rename(temporary.c_str(), target.c_str()) != 0) reason = errno;
+    if (reason) {
+        ::unlink(temporary.c_str());
+        return cannot_write(path, reason);
+    }
+    sync_folder(target.parent_path());
+    return Done{};
+}
+
+Status write_file_atomically(const fs::path& path, std::string_view text) {
+    return write_file_atomically(path, std::as_bytes(std::span(text.data(), text.size())));
+}
+
+}  // namespace rro

@@ -1,0 +1,1 @@
+"""Generators of the sample meshes; samples/make_meshes.py runs them."""

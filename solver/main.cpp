@@ -1,0 +1,264 @@
+// rro-solve: arguments, exit code, printing; no logic.
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "format/parallel.h"
+#include "format/tool/interrupt.h"
+#include "format/tool/program.h"
+#include "format/version.h"
+#include "solver/arguments.h"
+#include "solver/output/output.h"
+#include "solver/solve_scene.h"
+
+namespace rro {
+namespace {
+
+constexpr const char* kProgram = "rro-solve";
+constexpr const char* kExamples =
+    "Examples:\n"
+    "  rro-solve run room.json --out room.glb --picture room.png\n"
+    "  rro-solve run room.json --radiosity room.csv --report room.report.json --accuracy 0.05\n"
+    "  rro-solve run room.json --method reference --radiosity truth.csv\n"
+    "  rro-solve explain room.json\n"
+    "Exit codes: 0 done, 1 the work failed or the accuracy was not met, 2 wrong usage, 3 bad input, 4 internal error,\n"
+    "130 interrupted.";
+
+struct Arguments {
+    std::filesystem::path scene, out, picture, radiosity, report;
+    std::string size = "960x540", method = "reusable", visibility = "auto", memory;
+    std::optional<double> accuracy;
+    std::uint32_t samples = 0;
+    std::uint64_t seed = 1;
+    unsigned threads = 0;
+    EffectOverrides overrides;
+    bool quiet = false, verbose = false, json = false;
+};
+
+void declare_shared(CLI::App& command, Arguments& a) {
+    command.add_option("scene", a.scene, "Scene manifest")->required()->type_name("SCENE.json");
+    command.add_option("--with", a.overrides.with, "Effect to switch on although the scene does not call for it")
+        ->type_name("EFFECT")
+        ->allow_extra_args(false)
+        ->delimiter(',');
+    command.add_option("--without", a.overrides.without, "Effect to leave out although the scene calls for it")
+        ->type_name("EFFECT")
+        ->allow_extra_args(false)
+        ->delimiter(',');
+    command.add_option("--threads", a.threads, "Threads to use; 0: all cores")->type_name("N");
+    command.add_flag("--quiet,-q", a.quiet, "Print errors only");
+    command.add_flag("--verbose,-v", a.verbose, "Print the effect plan and all warnings to stderr");
+    command.footer(kExamples);
+}
+
+void declare_run(CLI::App& run, Arguments& a) {
+    declare_shared(run, a);
+    run.add_option("--out", a.out, "Solution as binary glTF")->type_name("SCENE.glb");
+    run.add_option("--picture", a.picture, "Picture from the manifest's camera, .png or .exr")->type_name("VIEW.png");
+    run.add_option("--size", a.size, "Pixels of the picture")->type_name("WxH")->capture_default_str();
+    run.add_option("--radiosity", a.radiosity, "Radiosity per source triangle, W/m^2")->type_name("FILE.csv");
+    run.add_option("--report", a.report, "What the solve did, as JSON")->type_name("FILE.json");
+    run.add_option("--accuracy", a.accuracy, "Relative error aimed at (default: the manifest's, or 0.02)")
+        ->type_name("E");
+    run.add_option("--method", a.method, "reusable or reference")->type_name("METHOD")->capture_default_str();
+    run.add_option("--visibility", a.visibility, "auto, rays or none")->type_name("HOW")->capture_default_str();
+    run.add_option("--samples", a.samples, "Paths per triangle (reference); 0: as --accuracy needs")->type_name("N");
+    run.add_option("--seed", a.seed, "Seed of all random choices")->type_name("N")->capture_default_str();
+    run.add_option("--memory", a.memory, "Most memory to use (default: 8G or ulimit -v)")->type_name("8G");
+}
+
+/// The options of `run` as the pipeline takes them.
+struct Job {
+    SolveOptions solve;
+    PictureOptions picture;
+    std::uint64_t memory = 0;
+};
+
+Result<Job> job_of(const Arguments& a) {
+    Job job;
+    const auto method = parse_method(a.method);
+    if (!method) return method.error();
+    const auto visibility = parse_visibility(a.visibility);
+    if (!visibility) return visibility.error();
+    const auto size = parse_size(a.size);
+    if (!size) return size.error();
+    const auto memory = a.memory.empty() ? Result<std::uint64_t>(default_memory()) : parse_bytes(a.memory);
+    if (!memory) return memory.error();
+    if (a.accuracy && !(*a.accuracy > 0 && *a.accuracy <= 1))
+        return Error{ErrorKind::Usage, "", "--accuracy: expected a relative error above 0 and at most 1", ""};
+    const std::string ending = a.picture.extension().string();
+    if (!a.picture.empty() && ending != ".png" && ending != ".exr")
+        return Error{ErrorKind::Usage, "",
+                     "--picture " + a.picture.string() + ": expected a name ending in .png or .exr", ""};
+    job.solve = {*method, a.accuracy, *visibility, a.samples, a.seed, a.overrides};
+    job.picture.width = (*size)[0];
+    job.picture.height = (*size)[1];
+    job.memory = *memory;
+    return job;
+}
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+Result<Scene> load(const Arguments& a) {
+    auto manifest = read_manifest(a.scene);
+    if (!manifest) return manifest.error();
+    auto scene = open_scene(std::move(*manifest));
+    if (scene) leave_out(a.overrides, *scene);
+    return scene;
+}
+
+void print_plan(std::FILE* to, const std::vector<EffectPlan>& effects) {
+    for (const EffectPlan& e : effects)
+        std::fprintf(to, "  %-16s %-4s %s\n", e.name.c_str(), e.on ? "on" : "off", e.reason.c_str());
+}
+
+void print_summary(const Scene& scene, const Solution& s, std::optional<double> exposure) {
+    const auto count = [](auto n) { return static_cast<unsigned long long>(n); };
+    const PhaseSeconds& t = s.seconds;
+    std::printf("%llu instances, %llu triangles, %llu elements\n", count(scene.instances.size()),
+                count(scene.triangle_count()), count(s.elements));
+    std::printf(
+        "seconds          %.2f (load %.2f, plan %.2f, links %.2f, visibility %.2f, iterate %.2f, output %.2f)\n",
+        t.total, t.load, t.plan, t.links, t.visibility, t.iterate, t.output);
+    std::printf("links            %llu (far %llu, near %llu, self %llu); rays %llu; iterations %d\n",
+                count(s.links.total()), count(s.links.far), count(s.links.near), count(s.links.self), count(s.rays),
+                s.iterations);
+    std::printf("estimated error  %.3g, asked for %.3g%s\n", s.estimated_error, s.accuracy,
+                s.converged ? "" : " (not met)");
+    const auto power = [](const char* what, const Vec3& v) {
+        std::printf("%-16s %.6g %.6g %.6g W\n", what, v.x, v.y, v.z);
+    };
+    power("emitted", s.energy.emitted);
+    power("absorbed", s.energy.absorbed);
+    power("escaped", s.energy.escaped);
+    if (exposure) std::printf("exposure         %.4g stops\n", *exposure);
+}
+
+/// Writes what was asked for, the report last: it holds the seconds of the others.
+/// returns  the exposure of the picture, where there is one to choose
+Result<std::optional<double>> write_outputs(const Arguments& a, const Job& job, const Scene& scene, Solution& solution,
+                                            std::chrono::steady_clock::time_point begun) {
+    const auto start = std::chrono::steady_clock::now();
+    const DeferInterrupts until_written;
+    std::optional<double> exposure;
+    if (!a.radiosity.empty())
+        if (auto written = write_radiosity_csv(scene, solution, a.radiosity); !written) return written.error();
+    if (!a.out.empty())
+        if (auto written = write_glb(scene, solution, a.out); !written) return written.error();
+    if (!a.picture.empty()) {
+        auto used = write_picture(scene, solution, SceneRays(scene), job.picture, a.picture);
+        if (!used) return used.error();
+        if (a.picture.extension() == ".png") exposure = *used;
+    }
+    solution.seconds.output = seconds_since(start);
+    solution.seconds.total = seconds_since(begun);
+    if (!a.report.empty())
+        if (auto written = write_report(scene, solution, a.report); !written) return written.error();
+    return exposure;
+}
+
+std::string size_text(std::uint64_t bytes) {
+    char text[32];
+    const double mebibytes = static_cast<double>(bytes) / (1 << 20);
+    std::snprintf(text, sizeof text, mebibytes < 1024 ? "%.0f MiB" : "%.2f GiB",
+                  mebibytes < 1024 ? mebibytes : mebibytes / 1024);
+    return text;
+}
+
+int run(const Arguments& a) {
+    const auto begun = std::chrono::steady_clock::now();
+    const auto job = job_of(a);
+    if (!job) return report_error(kProgram, job.error());
+    const std::array<std::filesystem::path, 4> outputs{a.out, a.picture, a.radiosity, a.report};
+    if (auto writable = check_outputs(outputs, a.scene); !writable) return report_error(kProgram, writable.error());
+    const auto scene = load(a);
+    if (!scene) return report_error(kProgram, scene.error());
+    const double load_seconds = seconds_since(begun);
+    if (const std::uint64_t needed = estimated_memory(*scene); needed > job->memory)
+        return report_error(kProgram, failed(a.scene.string(),
+                                             "needs about " + size_text(needed) + " of memory, " +
+                                                 size_text(job->memory) + " are allowed",
+                                             "allow more with --memory"));
+    TerminalProgress progress(a.quiet);
+    auto solution = solve_scene(*scene, job->solve, progress.callback());
+    progress.clear();
+    if (!solution) return report_error(kProgram, solution.error());
+    solution->seconds.load = load_seconds;
+    if (a.verbose) print_plan(stderr, solution->effects);
+    if (!a.quiet)
+        for (const std::string& warning : solution->warnings) report_warning(kProgram, warning);
+    const auto exposure = write_outputs(a, *job, *scene, *solution, begun);
+    if (!exposure) return report_error(kProgram, exposure.error());
+    if (!a.quiet) print_summary(*scene, *solution, *exposure);
+    if (work_done(*solution, job->solve)) return 0;
+    char text[160];
+    std::snprintf(text, sizeof text,
+                  "the estimated error is %.3g, asked for %.3g; the outputs are written all the same",
+                  solution->estimated_error, solution->accuracy);
+    return report_error(kProgram, failed(a.scene.string(), text, "ask for less with --accuracy"));
+}
+
+int explain(const Arguments& a) {
+    const auto scene = load(a);
+    if (!scene) return report_error(kProgram, scene.error());
+    const auto plan = plan_effects(*scene, a.overrides);
+    if (!plan) return report_error(kProgram, plan.error());
+    if (!a.quiet)
+        for (const std::string& warning : plan->warnings) report_warning(kProgram, warning);
+    const std::uint64_t memory = estimated_memory(*scene);
+    if (!a.json) {
+        std::printf("%zu instances of %zu archives, %zu triangles; %d channel%s; about %s of memory\n",
+                    scene->instances.size(), scene->objects.size(), scene->triangle_count(), plan->channels,
+                    plan->channels == 1 ? "" : "s", size_text(memory).c_str());
+        print_plan(stdout, plan->effects);
+        return 0;
+    }
+    nlohmann::json effects = nlohmann::json::array();
+    for (const EffectPlan& e : plan->effects) effects.push_back({{"name", e.name}, {"on", e.on}, {"reason", e.reason}});
+    const nlohmann::json document = {{"instances", scene->instances.size()},
+                                     {"archives", scene->objects.size()},
+                                     {"triangles", scene->triangle_count()},
+                                     {"channels", plan->channels},
+                                     {"memory_bytes", memory},
+                                     {"effects", effects},
+                                     {"warnings", plan->warnings}};
+    std::puts(document.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+    return 0;
+}
+
+int main_with(int argc, char** argv) {
+    Arguments arguments;
+    CLI::App app("Solves scenes of reusable radiosity objects.", kProgram);
+    app.set_version_flag("--version", std::string(kProgram) + " " + std::string(kToolVersion));
+    app.require_subcommand(1);
+    app.footer(kExamples);
+    CLI::App* run_command = app.add_subcommand("run", "Solve a scene and write the solution");
+    declare_run(*run_command, arguments);
+    CLI::App* explain_command = app.add_subcommand("explain", "Tell which effects a scene calls for, and why");
+    declare_shared(*explain_command, arguments);
+    explain_command->add_flag("--json", arguments.json, "As JSON");
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
+        return report_error(kProgram, {ErrorKind::Usage, "", error.what(), "rro-solve --help shows the options"});
+    }
+    set_thread_count(arguments.threads);
+    return run_command->parsed() ? run(arguments) : explain(arguments);
+}
+
+}  // namespace
+}  // namespace rro
+
+int main(int argc, char** argv) {
+    rro::end_on_interrupt();
+    try {
+        return rro::main_with(argc, argv);
+    } catch (const std::exception& exception) {
+        return rro::report_error(rro::kProgram, rro::error_from_exception(exception));
+    }
+}

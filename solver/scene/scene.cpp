@@ -1,0 +1,192 @@
+#include "solver/scene/scene.h"
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <system_error>
+
+#include "format/parallel.h"
+#include "format/tool/json_document.h"
+#include "format/tool/names.h"
+
+namespace rro {
+namespace {
+
+// Reflectances below 1 in double must not round to 1 in float: light would never die out.
+constexpr float kLargestReflectance = 0x1.fffffep-1f;
+
+// Size over distance from 0 that an instance needs: its shape then keeps 4 of double's 16 digits.
+constexpr double kFinestShape = 1e-12;
+
+std::string place_of(const Manifest& manifest, std::size_t instance, const std::string& key) {
+    return json_place(manifest.path.string(), "/instances/" + std::to_string(instance) + key);
+}
+
+/// Archives of a manifest, each once, in the order of first use; index[i] is that of instance i.
+struct ArchiveFiles {
+    std::vector<std::filesystem::path> paths;
+    std::vector<std::size_t> first_instance;  // that names it, for messages
+    std::vector<std::size_t> index;
+};
+
+Result<ArchiveFiles> archive_files(const Manifest& manifest) {
+    ArchiveFiles files;
+    std::map<std::filesystem::path, std::size_t> by_name, by_file;  // one file may have several names
+    for (std::size_t i = 0; i < manifest.instances.size(); ++i) {
+        const std::filesystem::path& name = manifest.instances[i].archive;
+        auto known = by_name.find(name);
+        if (known == by_name.end()) {
+            std::error_code code;
+            const auto canonical = std::filesystem::canonical(name, code);
+            if (code)
+                return bad_input(place_of(manifest, i, "/archive"),
+                                 name.string() + ": " + code.message() +
+                                     ", expected an archive (paths are relative to "
+                                     "the manifest)",
+                                 "archives are written by rro-compile build");
+            const auto [file, is_new] = by_file.emplace(canonical, files.paths.size());
+            if (is_new) {
+                files.paths.push_back(name);
+                files.first_instance.push_back(i);
+            }
+            known = by_name.emplace(name, file->second).first;
+        }
+        files.index.push_back(known->second);
+    }
+    return files;
+}
+
+/// The archive with its ray structure and the lookups from triangles and faces.
+Result<std::unique_ptr<Object>> open_object(const std::filesystem::path& path) {
+    auto archive = Archive::open(path);
+    if (!archive) return archive.error();
+    auto object = std::make_unique<Object>(Object{path, std::move(*archive), nullptr, {}, {}, {}});
+    const ObjectData& data = object->data();
+    object->rays = std::make_unique<ObjectRays>(data.positions, data.triangles);
+    object->front_face.assign(data.triangles.size(), kNoFace);
+    object->back_face.assign(data.triangles.size(), kNoFace);
+    for (std::uint32_t f = 0; f < data.faces.size(); ++f) {
+        const Face face = data.faces[f];
+        (face.side() == Side::Front ? object->front_face : object->back_face)[face.triangle()] = f;
+    }
+    object->patch_of_face.assign(data.faces.size(), 0);
+    for (std::uint32_t p = 0; p < data.patches.size(); ++p)
+        std::fill_n(object->patch_of_face.begin() + data.patches[p].first_face, data.patches[p].face_count, p);
+    return object;
+}
+
+/// Opens several at a time; of several errors the first in the manifest is given.
+Result<std::vector<std::unique_ptr<Object>>> open_objects(const Manifest& manifest, const ArchiveFiles& files) {
+    std::vector<std::optional<Result<std::unique_ptr<Object>>>> opened(files.paths.size());
+    parallel_for(opened.size(), 1, [&](std::size_t i) { opened[i].emplace(open_object(files.paths[i])); });
+    std::vector<std::unique_ptr<Object>> objects;
+    for (std::size_t i = 0; i < opened.size(); ++i) {
+        if (!*opened[i]) {
+            Error error = opened[i]->error();
+            if (!error.where.empty()) error.message = error.where + ": " + error.message;
+            error.where = place_of(manifest, files.first_instance[i], "/archive");
+            return error;
+        }
+        objects.push_back(std::move(**opened[i]));
+    }
+    return objects;
+}
+
+/// Compares the `content` pins with the files' hashes, each computed at most once.
+Status check_pins(const Manifest& manifest, const ArchiveFiles& files,
+                  const std::vector<std::unique_ptr<Object>>& objects) {
+    std::vector<std::string> hashes(objects.size());
+    for (std::size_t i = 0; i < manifest.instances.size(); ++i) {
+        const std::string& pin = manifest.instances[i].content;
+        if (pin.empty()) continue;
+        const Object& object = *objects[files.index[i]];
+        std::string& hash = hashes[files.index[i]];
+        if (hash.empty()) hash = object.archive.content_sha256();
+        if (!hash.starts_with(pin))
+            return bad_input(place_of(manifest, i, "/archive/content"),
+                             object.path.string() + " has SHA-256 " + hash + ", expected one that starts with " + pin,
+                             "the archive is not the one that the manifest was made for");
+    }
+    return Done{};
+}
+
+/// Radiometry per patch: the archive's, then "*", then the exact name, field by field.
+Status resolve_materials(const Manifest& manifest, std::size_t number, Instance& instance) {
+    const ObjectData& data = instance.data();
+    std::vector<MaterialOverride> overrides(data.materials.size());
+    for (const auto& [name, said] : manifest.instances[number].materials) {
+        bool known = name == "*";
+        for (std::size_t m = 0; m < overrides.size(); ++m) {
+            if (name != "*" && name != data.materials[m].name) continue;
+            known = true;
+            if (said.reflectance) overrides[m].reflectance = said.reflectance;
+            if (said.exitance) overrides[m].exitance = said.exitance;
+        }
+        if (!known) {
+            std::vector<std::string> names;
+            for (const Material& material : data.materials) names.push_back(material.name);
+            return bad_input(place_of(manifest, number, "/materials/" + pointer_step(name)),
+                             instance.object->path.filename().string() + " has no material \"" + name +
+                                 "\", expected one of: " + listed(names),
+                             nearest_hint(name, names));
+        }
+    }
+    for (const Patch& patch : data.patches) {
+        const MaterialOverride& said = overrides[patch.material];
+        Rgb reflectance = said.reflectance ? to_float(*said.reflectance) : patch.reflectance;
+        for (float* channel : {&reflectance.x, &reflectance.y, &reflectance.z})
+            *channel = std::min(*channel, kLargestReflectance);
+        instance.reflectance.push_back(reflectance);
+        instance.exitance.push_back(to_float(said.exitance.value_or(data.materials[patch.material].exitance)));
+    }
+    return Done{};
+}
+
+Result<Instance> place_instance(const Manifest& manifest, std::size_t number, const Object& object) {
+    const InstanceEntry& entry = manifest.instances[number];
+    Instance instance;
+    instance.name = entry.name;
+    instance.object = &object;
+    instance.to_world = entry.to_world;
+    instance.to_local = entry.to_world.inverse();
+    instance.determinant_sign = entry.to_world.linear.determinant() < 0 ? -1 : 1;
+    if (auto resolved = resolve_materials(manifest, number, instance); !resolved) return resolved.error();
+    const ObjectData& data = object.data();
+    std::vector<std::uint8_t> used(data.positions.size(), 0);
+    for (const TriangleIndices& triangle : data.triangles)
+        for (const std::uint32_t corner : triangle) used[corner] = 1;
+    for (std::size_t v = 0; v < used.size(); ++v)
+        if (used[v]) instance.bounds.add(instance.to_world.point(data.origin + to_double(data.positions[v])));
+    const Box3& b = instance.bounds;
+    const double reach = std::max(length(b.lo), length(b.hi));
+    if (!(length(b.extent()) > kFinestShape * reach))  // also where the lengths overflow
+        return bad_input(place_of(manifest, number, "/transform"),
+                         "places the object so far from 0 that double precision loses its shape");
+    return instance;
+}
+
+}  // namespace
+
+Result<Scene> open_scene(Manifest manifest) {
+    auto files = archive_files(manifest);
+    if (!files) return files.error();
+    auto objects = open_objects(manifest, *files);
+    if (!objects) return objects.error();
+    if (auto pinned = check_pins(manifest, *files, *objects); !pinned) return pinned.error();
+
+    Scene scene;
+    scene.objects = std::move(*objects);
+    std::vector<std::optional<Result<Instance>>> placed(manifest.instances.size());
+    parallel_for(placed.size(), 1, [&](std::size_t i) {
+        placed[i].emplace(place_instance(manifest, i, *scene.objects[files->index[i]]));
+    });
+    for (auto& instance : placed) {
+        if (!*instance) return instance->error();
+        scene.bounds.add((*instance)->bounds);
+        scene.instances.push_back(std::move(**instance));
+    }
+    scene.manifest = std::move(manifest);
+    return scene;
+}
+
+}  // namespace rro

@@ -1,0 +1,109 @@
+#include "solver/solve_scene.h"
+
+#include <algorithm>
+#include <chrono>
+#include <string>
+
+#include "solver/study/reference.h"
+
+namespace rro {
+namespace {
+
+constexpr double kDefaultAccuracy = 0.02;
+
+// For the estimate of memory: the program itself, before any scene. A face has its solution and the solver's state; a
+// patch, tables of light per direction and its share of the links (measured: 3500 bytes at accuracy 0.05, patches of
+// one triangle).
+constexpr std::uint64_t kProgramBytes = std::uint64_t{16} << 20;
+constexpr std::uint64_t kBytesPerFace = 200;
+constexpr std::uint64_t kBytesPerPatch = 4000;
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+    return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+Error usage(std::string message) {
+    return {ErrorKind::Usage, "", std::move(message), ""};
+}
+
+/// The reference knows nothing but the whole truth.
+Status check_reference_options(const SolveOptions& options) {
+    if (options.visibility == TransportOptions::Visibility::None)
+        return usage("--visibility none is for --method reusable; the reference always traces rays");
+    for (const char* effect : {"interreflection", "occlusion", "self"})
+        if (std::find(options.overrides.without.begin(), options.overrides.without.end(), effect) !=
+            options.overrides.without.end())
+            return usage(std::string("--without ") + effect + " is for --method reusable; the reference has it always");
+    return Done{};
+}
+
+Result<Solution> solve_by_method(const Scene& scene, const Plan& plan, const SolveOptions& options, double accuracy,
+                                 const Progress& progress) {
+    if (options.method == Method::Reference)
+        return solve_reference(scene, {accuracy, options.samples, options.seed}, progress);
+    TransportOptions transport;
+    transport.accuracy = accuracy;
+    transport.seed = options.seed;
+    transport.visibility = options.visibility;
+    return solve_reusable(scene, plan, transport, progress);
+}
+
+}  // namespace
+
+Result<Method> parse_method(std::string_view name) {
+    if (name == "reusable") return Method::Reusable;
+    if (name == "reference") return Method::Reference;
+    const std::string found = "--method " + std::string(name);
+    if (name == "hierarchical") return usage(found + ": not supported by this version, expected reusable or reference");
+    return usage(found + ": no such method, expected reusable or reference");
+}
+
+Result<TransportOptions::Visibility> parse_visibility(std::string_view name) {
+    using Visibility = TransportOptions::Visibility;
+    if (name == "auto") return Visibility::Auto;
+    if (name == "rays") return Visibility::Rays;
+    if (name == "none") return Visibility::None;
+    const std::string found = "--visibility " + std::string(name);
+    if (name == "atlas" || name == "tables")
+        return usage(found + ": not supported by this version, expected auto, rays or none");
+    return usage(found + ": no such visibility, expected auto, rays or none");
+}
+
+Result<Solution> solve_scene(const Scene& scene, const SolveOptions& options, const Progress& progress) {
+    const auto start = Clock::now();
+    auto plan = plan_effects(scene, options.overrides);
+    if (!plan) return plan.error();
+    if (options.method == Method::Reference)
+        if (auto fits = check_reference_options(options); !fits) return fits.error();
+    if (options.method == Method::Reusable && options.samples > 0)
+        return usage("--samples is for --method reference; the reusable method takes what --accuracy needs");
+    const double plan_seconds = seconds_since(start);
+
+    const double accuracy = options.accuracy.value_or(scene.manifest.accuracy.value_or(kDefaultAccuracy));
+    auto solved = solve_by_method(scene, *plan, options, accuracy, progress);
+    if (!solved) return solved.error();
+    Solution solution = std::move(*solved);
+    solution.accuracy = accuracy;
+    if (solution.effects.empty()) solution.effects = plan->effects;
+    solution.warnings.insert(solution.warnings.begin(), plan->warnings.begin(), plan->warnings.end());
+    solution.seconds.plan = plan_seconds;
+    solution.seconds.total = seconds_since(start);
+    return solution;
+}
+
+bool work_done(const Solution& solution, const SolveOptions& options) {
+    return solution.converged || (options.method == Method::Reference && options.samples > 0);
+}
+
+std::uint64_t estimated_memory(const Scene& scene) {
+    std::uint64_t bytes = kProgramBytes + ObjectRays::memory_bytes();
+    for (const auto& object : scene.objects)
+        for (const SectionInfo& section : object->archive.sections()) bytes += section.raw_bytes;
+    for (const Instance& instance : scene.instances)
+        bytes += kBytesPerFace * instance.data().faces.size() + kBytesPerPatch * instance.data().patches.size();
+    return bytes;
+}
+
+}  // namespace rro

@@ -1,0 +1,47 @@
+// The solve pipeline, in order: plan the effects, solve by the method asked for, account for time.
+//
+// Paper = M. Ouhyoung, Y.-Y. Chuang, R.-H. Liang, "Reusable Radiosity Object", 1997.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include "format/result.h"
+#include "solver/effects/effect.h"
+#include "solver/progress.h"
+#include "solver/scene/scene.h"
+#include "solver/solution.h"
+#include "solver/transport/transport.h"
+
+namespace rro {
+
+enum class Method { Reusable, Reference };
+
+struct SolveOptions {
+    Method method = Method::Reusable;
+    std::optional<double> accuracy;  // relative error, in (0, 1]; beats the manifest's, which beats 0.02
+    TransportOptions::Visibility visibility = TransportOptions::Visibility::Auto;
+    std::uint32_t samples = 0;  // per face, for the reference; 0: as many as the accuracy needs
+    std::uint64_t seed = 1;
+    EffectOverrides overrides;
+};
+
+/// errors   Usage: not a name of the contract, or not supported by this version (lists those that are)
+Result<Method> parse_method(std::string_view name);
+Result<TransportOptions::Visibility> parse_visibility(std::string_view name);
+
+/// Plans the effects and solves. What `overrides` take out of the radiometry has left the scene before (leave_out).
+///
+/// returns  the solution with effects, warnings and the seconds of plan and solve (those of load and output are the
+///          caller's; total is plan and solve)
+/// errors   Usage: effects as in plan_effects; options that the method does not know; those of the solvers
+Result<Solution> solve_scene(const Scene& scene, const SolveOptions& options, const Progress& progress = {});
+
+/// Did the solve do what it was asked? The accuracy was met, or the samples asked for were taken.
+bool work_done(const Solution& solution, const SolveOptions& options);
+
+/// Bytes that an open scene holds and a solve of it will need, roughly: to refuse what cannot fit before any work.
+std::uint64_t estimated_memory(const Scene& scene);
+
+}  // namespace rro

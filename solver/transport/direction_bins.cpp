@@ -1,0 +1,367 @@
+#include "solver/transport/direction_bins.h"
+
+#include <cassert>
+#include <numbers>
+
+#include "format/parallel.h"
+
+namespace rro {
+
+namespace {
+
+// A translated source cannot come nearer than this share of its distance from the bins' own centre: the five-times rule
+// keeps true sources further away, mean positions of several sources may not.
+constexpr double kNearestTranslation = 1.0 / 3;
+
+constexpr std::size_t kLanes = 8;  // partial sums per loop: one AVX register of floats
+
+}  // namespace
+
+ObjectTables::ObjectTables(const ObjectData& data, const DirectionGrid& grid)
+    : stride((grid.size() + kLanes - 1) / kLanes * kLanes) {
+    const std::size_t d_count = grid.size(), p_count = data.patches.size();
+    cosine_area.assign(p_count * stride, 0);
+    visibility.assign(p_count * stride, 0);
+    face_area_sum.assign(data.faces.size() + 1, 0);
+    std::vector<Vec3> area_vectors(data.faces.size());
+    for (std::size_t f = 0; f < data.faces.size(); ++f) {
+        area_vectors[f] = area_vector(data.corners(data.faces[f]));
+        face_area_sum[f + 1] = face_area_sum[f] + length(area_vectors[f]);
+    }
+    parallel_for(p_count, 64, [&](std::size_t p) {
+        const Patch& patch = data.patches[p];
+        for (std::size_t k = 0; k < d_count; ++k) {
+            double sum = 0;
+            for (std::uint32_t f = 0; f < patch.face_count; ++f)
+                sum += std::max(0.0, dot(area_vectors[patch.first_face + f], grid.direction(static_cast<std::uint32_t>(k))));
+            cosine_area[p * stride + k] = static_cast<float>(sum);
+            visibility[p * stride + k] = static_cast<float>(data.visibility[p * d_count + k]) / 255.0f;
+        }
+    });
+    area_row.assign(data.clusters.size(), kNoNode);
+    for (std::size_t k = 0; k < data.area_clusters.size(); ++k)
+        area_row[data.area_clusters[k]] = static_cast<std::uint32_t>(k);
+}
+
+EndAreas::EndAreas(const Nodes& nodes) : nodes_(nodes) {
+    const Scene& scene = nodes.scene();
+    tables_.reserve(scene.objects.size());
+    for (const auto& object : scene.objects) tables_.emplace_back(object->data(), object->archive.grid());
+    for (const Instance& instance : scene.instances)
+        for (std::size_t o = 0; o < scene.objects.size(); ++o)
+            if (scene.objects[o].get() == instance.object) of_instance_.push_back(&tables_[o]);
+}
+
+bool EndAreas::has_outside(const Node& node) const {
+    if (node.kind == NodeKind::Bins) return true;
+    if (node.kind != NodeKind::Flat) return false;
+    const Instance& instance = nodes_.scene().instances[node.instance];
+    return instance.data().meta.convex || nodes_.instance(node.instance).planar || instance.data().clusters[node.index].right_child == 0 ||
+           of_instance_[node.instance]->area_row[node.index] != kNoNode;
+}
+
+double EndAreas::visible_share(const Node& node, const Vec3& w, EndMode mode) const {
+    if (node.kind == NodeKind::Surface) return 1;
+    const Instance& instance = nodes_.scene().instances[node.instance];
+    const ObjectData& data = instance.data();
+    if (data.meta.convex || nodes_.instance(node.instance).planar) return 1;
+    const ObjectTables& tables = *of_instance_[node.instance];
+    const DirectionGrid& grid = instance.object->archive.grid();
+    const Vec3 local = instance.to_local.vector(w);
+    const std::uint32_t row = tables.area_row[node.index];
+    const Cluster& cluster = data.clusters[node.index];
+    const std::size_t d = grid.size();
+    if (mode == EndMode::Outside && cluster.right_child == 0)
+        return grid.interpolate(data.visibility.subspan(cluster.first_patch * d, d), local) / 255.0;
+    if (row == kNoNode) return 1;
+    const bool outside = mode == EndMode::Outside;
+    const auto table = (outside ? data.whole_area : data.intrinsic_area).subspan(row * d, d);
+    const float scale = (outside ? data.whole_area_scale : data.intrinsic_area_scale)[row];
+    const double area = grid.interpolate(table, local) * static_cast<double>(scale) / 255.0;
+    // Both areas scale alike under the instance's map, so their ratio is taken in the local frame at unit direction.
+    const Vec3 unit = normalised(local);
+    double plain = 0;
+    const DirectionTaps taps = grid.taps(unit);
+    for (std::size_t t = 0; t < 4; ++t) {
+        double sum = 0;
+        for (std::uint32_t p = 0; p < cluster.patch_count; ++p)
+            sum += static_cast<double>(tables.cosine_area[(cluster.first_patch + p) * tables.stride + taps.node[t]]);
+        plain += static_cast<double>(taps.weight[t]) * sum;
+    }
+    return plain > 0 ? std::min(1.0, area / plain) : 0.0;
+}
+
+template <int C>
+DirectionBins<C>::DirectionBins(const Nodes& nodes, const EndAreas& areas)
+    : nodes_(nodes), areas_(areas), states_(nodes.scene().instances.size()) {}
+
+template <int C>
+void DirectionBins<C>::use(std::uint32_t node, EndMode mode) {
+    const Node& n = nodes_[node];
+    assert(n.kind == NodeKind::Bins);
+    State& state = states_[n.instance];
+    const InstanceNodes& in = nodes_.instance(n.instance);
+    const auto m = static_cast<std::size_t>(mode);
+    if (state.row.empty()) {
+        state.row.assign(in.first_face - in.first_cluster, kNoNode);
+        for (std::uint32_t id = in.first_cluster; id < in.first_face; ++id) {
+            const bool terminal = std::binary_search(in.terminals.begin(), in.terminals.end(), id);
+            if (!terminal && nodes_[id].kind != NodeKind::Bins) continue;
+            state.row[id - in.first_cluster] = static_cast<std::uint32_t>(state.nodes.size());
+            state.nodes.push_back(id);
+        }
+        state.linked[0].assign(state.nodes.size(), 0);
+        state.linked[1].assign(state.nodes.size(), 0);
+    }
+    state.used[m] = true;
+    state.linked[m][state.row[node - in.first_cluster]] = 1;
+}
+
+template <int C>
+void DirectionBins<C>::allocate() {
+    for (std::uint32_t i = 0; i < states_.size(); ++i) {
+        State& state = states_[i];
+        if (state.nodes.empty()) continue;
+        const Instance& instance = nodes_.scene().instances[i];
+        const DirectionGrid& grid = instance.object->archive.grid();
+        state.stride = areas_.tables(i).stride;
+        const double determinant = std::abs(instance.to_world.linear.determinant());
+        state.area_factor.assign(state.stride, 0);
+        state.world_direction.clear();
+        for (std::uint32_t k = 0; k < grid.size(); ++k) {
+            const Vec3 w = instance.to_world.vector(grid.direction(k));
+            state.world_direction.push_back(normalised(w));
+            state.area_factor[k] = static_cast<float>(determinant / length(w));
+        }
+        for (std::size_t m = 0; m < 2; ++m) {
+            if (!state.used[m]) continue;
+            state.intensity[m].assign(state.nodes.size() * C * state.stride, 0);
+            state.incoming[m].assign(state.nodes.size() * kIncoming * state.stride, 0);
+        }
+    }
+}
+
+template <int C>
+void DirectionBins<C>::clear_incoming() {
+    for (State& state : states_)
+        for (auto& plane : state.incoming) std::fill(plane.begin(), plane.end(), 0.0f);
+}
+
+template <int C>
+std::uint32_t DirectionBins<C>::row(const Node& node, std::uint32_t id) const {
+    return states_[node.instance].row[id - nodes_.instance(node.instance).first_cluster];
+}
+
+template <int C>
+void DirectionBins<C>::pull_instance(std::uint32_t i, const std::vector<float>& radiosity) {
+    State& state = states_[i];
+    const ObjectData& data = nodes_.scene().instances[i].data();
+    const InstanceNodes& in = nodes_.instance(i);
+    const ObjectTables& tables = areas_.tables(i);
+    const std::size_t stride = state.stride;
+    for (std::size_t m = 0; m < 2; ++m) std::fill(state.intensity[m].begin(), state.intensity[m].end(), 0.0f);
+
+    for (const std::uint32_t t : in.terminals) {
+        const Cluster& cluster = data.clusters[nodes_[t].index];
+        const std::size_t r = state.row[t - in.first_cluster];
+        for (std::uint32_t p = cluster.first_patch; p < cluster.first_patch + cluster.patch_count; ++p) {
+            const Patch& patch = data.patches[p];
+            // Mean radiosity of the patch, by area.
+            std::array<float, C> b{};
+            double area = 0;
+            for (std::uint32_t f = patch.first_face; f < patch.first_face + patch.face_count; ++f) {
+                const std::uint32_t id = in.first_face + f;
+                area += nodes_[id].area;
+                for (std::size_t c = 0; c < C; ++c)
+                    b[c] += radiosity[id * C + c] * static_cast<float>(nodes_[id].area);
+            }
+            if (!(area > 0)) continue;
+            const float* cosine = &tables.cosine_area[p * stride];
+            const float* visible = &tables.visibility[p * stride];
+            for (std::size_t c = 0; c < C; ++c) {
+                const float bc = b[c] / static_cast<float>(area) * static_cast<float>(std::numbers::inv_pi);
+                if (bc == 0) continue;
+                if (state.used[0]) {
+                    float* out = &state.intensity[0][(r * C + c) * stride];
+                    for (std::size_t k = 0; k < stride; ++k) out[k] += bc * cosine[k];
+                }
+                if (state.used[1]) {
+                    float* out = &state.intensity[1][(r * C + c) * stride];
+                    for (std::size_t k = 0; k < stride; ++k) out[k] += bc * cosine[k] * visible[k];
+                }
+            }
+        }
+    }
+    for (std::size_t m = 0; m < 2; ++m) {
+        if (!state.used[m]) continue;
+        // Children have larger rows than their parents: a backward loop sums them up.
+        for (std::size_t r = state.nodes.size(); r-- > 1;) {
+            const Node& node = nodes_[state.nodes[r]];
+            const std::uint32_t parent = state.row[node.parent - in.first_cluster];
+            if (parent == kNoNode) continue;
+            const float* from = &state.intensity[m][r * C * stride];
+            float* to = &state.intensity[m][parent * C * stride];
+            for (std::size_t k = 0; k < C * stride; ++k) to[k] += from[k];
+        }
+        for (std::size_t r = 0; r < state.nodes.size(); ++r)
+            for (std::size_t c = 0; c < C; ++c) {
+                float* out = &state.intensity[m][(r * C + c) * stride];
+                for (std::size_t k = 0; k < stride; ++k) out[k] *= state.area_factor[k];
+            }
+    }
+}
+
+template <int C>
+void DirectionBins<C>::pull(const std::vector<float>& radiosity) {
+    parallel_for(states_.size(), 1, [&](std::size_t i) {
+        if (!states_[i].nodes.empty()) pull_instance(static_cast<std::uint32_t>(i), radiosity);
+    });
+}
+
+template <int C>
+std::array<float, C> DirectionBins<C>::intensity(std::uint32_t id, EndMode mode, const Vec3& w) const {
+    const Node& node = nodes_[id];
+    const State& state = states_[node.instance];
+    const Instance& instance = nodes_.scene().instances[node.instance];
+    const DirectionTaps taps = instance.object->archive.grid().taps(instance.to_local.vector(w));
+    const float* table = &state.intensity[static_cast<std::size_t>(mode)][row(node, id) * C * state.stride];
+    std::array<float, C> out{};
+    for (std::size_t c = 0; c < C; ++c)
+        for (std::size_t t = 0; t < 4; ++t) out[c] += taps.weight[t] * table[c * state.stride + taps.node[t]];
+    return out;
+}
+
+template <int C>
+void DirectionBins<C>::splat(std::uint32_t id, EndMode mode, const Vec3& u, double inverse_distance,
+                             const std::array<float, C>& h) {
+    const Node& node = nodes_[id];
+    State& state = states_[node.instance];
+    const Instance& instance = nodes_.scene().instances[node.instance];
+    const DirectionTaps taps = instance.object->archive.grid().taps(instance.to_local.vector(u));
+    float* plane = &state.incoming[static_cast<std::size_t>(mode)][row(node, id) * kIncoming * state.stride];
+    float strength = 0;
+    for (std::size_t c = 0; c < C; ++c) strength += h[c];
+    const std::array<float, 4> shared{static_cast<float>(u.x) * strength, static_cast<float>(u.y) * strength,
+                                      static_cast<float>(u.z) * strength,
+                                      static_cast<float>(inverse_distance) * strength};
+    for (std::size_t t = 0; t < 4; ++t) {
+        float* at = plane + taps.node[t];
+        for (std::size_t c = 0; c < C; ++c) at[c * state.stride] += taps.weight[t] * h[c];
+        for (std::size_t s = 0; s < 4; ++s) at[(C + s) * state.stride] += taps.weight[t] * shared[s];
+    }
+}
+
+template <int C>
+void DirectionBins<C>::push_terminal(std::uint32_t i, std::uint32_t terminal, EndMode mode,
+                                     std::vector<float>& irradiance) const {
+    const State& state = states_[i];
+    const auto m = static_cast<std::size_t>(mode);
+    const InstanceNodes& in = nodes_.instance(i);
+    const Instance& instance = nodes_.scene().instances[i];
+    const DirectionGrid& grid = instance.object->archive.grid();
+    const std::size_t stride = state.stride;
+
+    // Planes of this terminal: H[C], then Hu[3].
+    std::vector<float> sum((C + 3) * stride, 0.0f);
+    bool any = false;
+    for (std::uint32_t a = terminal; a != kNoNode; a = nodes_[a].parent) {
+        const std::uint32_t r = state.row[a - in.first_cluster];
+        if (r == kNoNode || !state.linked[m][r]) continue;
+        any = true;
+        const float* plane = &state.incoming[m][r * kIncoming * stride];
+        if (a == terminal) {
+            for (std::size_t k = 0; k < (C + 3) * stride; ++k) sum[k] += plane[k];
+            continue;
+        }
+        const Vec3 x = nodes_[terminal].centre - nodes_[a].centre;
+        for (std::size_t k = 0; k < grid.size(); ++k) {
+            float strength = 0;
+            for (std::size_t c = 0; c < C; ++c) strength += plane[c * stride + k];
+            if (!(strength > 0)) continue;
+            const Vec3 mean{plane[C * stride + k], plane[(C + 1) * stride + k], plane[(C + 2) * stride + k]};
+            const float over_distance = plane[(C + 3) * stride + k];
+            const Vec3 u = normalised(mean);
+            Vec3 direction = u;
+            float gain = 1;
+            if (over_distance > 0) {  // 0: light from infinity
+                const double d = static_cast<double>(strength) / static_cast<double>(over_distance);
+                const Vec3 e = u * d - x;
+                const double v = std::max(length(e), kNearestTranslation * d);
+                direction = normalised(e);
+                gain = static_cast<float>(d * d / (v * v));
+            }
+            const DirectionTaps taps = grid.taps(instance.to_local.vector(direction));
+            for (std::size_t t = 0; t < 4; ++t) {
+                const float weight = taps.weight[t] * gain;
+                float* at = &sum[taps.node[t]];
+                for (std::size_t c = 0; c < C; ++c) at[c * stride] += weight * plane[c * stride + k];
+                const float s = weight * strength;
+                at[C * stride] += s * static_cast<float>(direction.x);
+                at[(C + 1) * stride] += s * static_cast<float>(direction.y);
+                at[(C + 2) * stride] += s * static_cast<float>(direction.z);
+            }
+        }
+    }
+    if (!any) return;
+    for (std::size_t k = 0; k < stride; ++k) {  // Hu -> unit mean direction
+        const Vec3 u = normalised({sum[C * stride + k], sum[(C + 1) * stride + k], sum[(C + 2) * stride + k]});
+        sum[C * stride + k] = static_cast<float>(u.x);
+        sum[(C + 1) * stride + k] = static_cast<float>(u.y);
+        sum[(C + 2) * stride + k] = static_cast<float>(u.z);
+    }
+
+    const ObjectTables& tables = areas_.tables(i);
+    const ObjectData& data = instance.data();
+    const Cluster& cluster = data.clusters[nodes_[terminal].index];
+    const float* ux = &sum[C * stride];
+    const float* uy = ux + stride;
+    const float* uz = uy + stride;
+    for (std::uint32_t p = cluster.first_patch; p < cluster.first_patch + cluster.patch_count; ++p) {
+        const Patch& patch = data.patches[p];
+        const float* visible = &tables.visibility[p * stride];
+        for (std::uint32_t f = patch.first_face; f < patch.first_face + patch.face_count; ++f) {
+            const Vec3 n = nodes_[in.first_face + f].normal();
+            const float nx = static_cast<float>(n.x), ny = static_cast<float>(n.y), nz = static_cast<float>(n.z);
+            float lanes[C][kLanes] = {};
+            for (std::size_t k = 0; k < stride; k += kLanes) {
+                float weight[kLanes];
+                for (std::size_t j = 0; j < kLanes; ++j) {
+                    const float cosine = nx * ux[k + j] + ny * uy[k + j] + nz * uz[k + j];
+                    weight[j] = std::max(0.0f, cosine) * (mode == EndMode::Outside ? visible[k + j] : 1.0f);
+                }
+                for (std::size_t c = 0; c < C; ++c)
+                    for (std::size_t j = 0; j < kLanes; ++j) lanes[c][j] += weight[j] * sum[c * stride + k + j];
+            }
+            for (std::size_t c = 0; c < C; ++c) {
+                float e = 0;
+                for (std::size_t j = 0; j < kLanes; ++j) e += lanes[c][j];
+                irradiance[(in.first_face + f) * C + c] += e;
+            }
+        }
+    }
+}
+
+template <int C>
+void DirectionBins<C>::push(std::vector<float>& irradiance) const {
+    for (std::uint32_t i = 0; i < states_.size(); ++i)
+        for (std::size_t m = 0; m < 2; ++m)
+            if (states_[i].used[m]) {
+                const auto& terminals = nodes_.instance(i).terminals;
+                parallel_for(terminals.size(), 1, [&](std::size_t t) {
+                    push_terminal(i, terminals[t], static_cast<EndMode>(m), irradiance);
+                });
+            }
+}
+
+template <int C>
+std::uint64_t DirectionBins<C>::bytes() const {
+    std::uint64_t n = 0;
+    for (const State& s : states_)
+        for (std::size_t m = 0; m < 2; ++m) n += (s.intensity[m].size() + s.incoming[m].size()) * sizeof(float);
+    return n;
+}
+
+template class DirectionBins<1>;
+template class DirectionBins<3>;
+
+}  // namespace rro

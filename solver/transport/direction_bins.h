@@ -1,0 +1,102 @@
+// The multipole chain: patches -> outgoing intensity per direction -> (links) -> light per direction -> sub-clusters ->
+// patches. Directions are the nodes of the archive's grid, in the instance's own frame; quantities are world quantities.
+//
+// Every Bins node has two faces to the world (design: which table holds):
+//   outside  other end beyond the instance's bounds: patches count with their stored visibility, which holds the
+//            occlusion by the whole object
+//   inside   other end may be within: patches count with their plain cosine, scaled by the cluster's intrinsic area
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "solver/transport/nodes.h"
+
+namespace rro {
+
+enum class EndMode : std::uint8_t { Inside = 0, Outside = 1 };
+
+/// Tables of one object that all its instances share. Immutable.
+struct ObjectTables {
+    std::uint32_t stride = 0;            // D rounded up to 8, so that loops need no remainder
+    std::vector<float> cosine_area;      // [P * stride] sum_f A_f max(0, n_f . w_k), local m^2
+    std::vector<float> visibility;       // [P * stride] in [0, 1]
+    std::vector<std::uint32_t> area_row; // [C] row of a cluster in the area tables, or kNoNode
+    std::vector<double> face_area_sum;   // [F + 1] running sum of local face areas, for sampling points
+
+    explicit ObjectTables(const ObjectData& data, const DirectionGrid& grid);
+};
+
+/// Projected areas of nodes as ends of links.
+class EndAreas {
+  public:
+    explicit EndAreas(const Nodes& nodes);
+
+    const ObjectTables& tables(std::uint32_t instance) const { return *of_instance_[instance]; }
+
+    /// Share of a node's projected area towards w that is seen: 1 for surfaces; by patch visibility or whole-object area outside; by intrinsic
+    /// area inside. In [0, 1].
+    double visible_share(const Node& node, const Vec3& w, EndMode mode) const;
+
+    /// Does the archive hold what an Outside end at this node needs?
+    bool has_outside(const Node& node) const;
+
+  private:
+    const Nodes& nodes_;
+    std::vector<ObjectTables> tables_;                 // per object
+    std::vector<const ObjectTables*> of_instance_;
+};
+
+/// Directional light state of all instances, for C channels.
+template <int C>
+class DirectionBins {
+  public:
+    DirectionBins(const Nodes& nodes, const EndAreas& areas);
+
+    /// Forgets all ends and their light.
+    void reset() { states_.assign(states_.size(), {}); }
+    /// Marks a node as the end of a link; storage exists only for instances that have such ends.
+    void use(std::uint32_t node, EndMode mode);
+    /// Call once after all use().
+    void allocate();
+    void clear_incoming();
+
+    /// radiosity: [nodes * C]. Fills the intensities of every used instance.
+    void pull(const std::vector<float>& radiosity);
+
+    /// Intensity of a Bins node towards w (unit, world), W/sr per channel.
+    std::array<float, C> intensity(std::uint32_t node, EndMode mode, const Vec3& w) const;
+
+    /// Adds perpendicular irradiance H arriving from direction u (unit, world, towards the source) at a Bins node.
+    void splat(std::uint32_t node, EndMode mode, const Vec3& u, double inverse_distance, const std::array<float, C>& h);
+
+    /// Translates to terminals and pushes to faces: adds to irradiance[(first_face + f) * C + c].
+    void push(std::vector<float>& irradiance) const;
+
+    std::uint64_t bytes() const;
+
+  private:
+    // Per node and mode: C planes of intensity; and incoming planes H[C], Hu[3], H/d[1].
+    static constexpr int kIncoming = C + 4;
+    struct State {
+        bool used[2] = {false, false};
+        std::uint32_t stride = 0;
+        std::vector<std::uint32_t> nodes;       // Bins nodes and terminals, ascending
+        std::vector<std::uint32_t> row;         // node - first_cluster -> row, or kNoNode
+        std::vector<std::uint8_t> linked[2];    // [rows] has incoming links
+        std::vector<float> intensity[2];        // [rows * C * stride]
+        std::vector<float> incoming[2];         // [rows * kIncoming * stride]
+        std::vector<Vec3> world_direction;      // [D] unit
+        std::vector<float> area_factor;         // [stride] world / local projected area
+    };
+    std::uint32_t row(const Node& node, std::uint32_t id) const;
+    void pull_instance(std::uint32_t i, const std::vector<float>& radiosity);
+    void push_terminal(std::uint32_t i, std::uint32_t terminal, EndMode mode, std::vector<float>& irradiance) const;
+
+    const Nodes& nodes_;
+    const EndAreas& areas_;
+    std::vector<State> states_;  // per instance
+};
+
+}  // namespace rro

@@ -1,0 +1,377 @@
+#include "solver/transport/gather.h"
+
+#include <numbers>
+#include <type_traits>
+
+#include "format/parallel.h"
+
+namespace rro {
+
+namespace {
+
+constexpr std::size_t kGrain = 256;  // receivers per parallel chunk
+
+template <int C>
+float component(const Rgb& rgb, std::size_t c) {
+    static_assert(C == 1 || C == 3);
+    return c == 0 ? rgb.x : c == 1 ? rgb.y : rgb.z;  // grey scenes carry equal components
+}
+
+// Where the irradiance of a flat node comes from: the source, or the normal where the source stands so low that a small
+// tilt of a face would change its share wildly.
+Vec3 arrival(const Node& flat, const Vec3& u) {
+    constexpr double kLowest = 0.15;
+    const Vec3 n = flat.normal();
+    return dot(n, u) >= kLowest ? u : n;
+}
+
+// A receiver of scalar links: planar, and the source sends one radiosity.
+bool scalar_half(const Node& receiver, const Node& source) {
+    return receiver.kind == NodeKind::Surface && source.kind != NodeKind::Bins;
+}
+
+}  // namespace
+
+template <int C>
+LightField<C>::LightField(const Nodes& nodes, const EndAreas& areas) : nodes_(nodes), areas_(areas), bins_(nodes, areas) {
+    grow();
+}
+
+template <int C>
+float LightField<C>::reflectance(std::uint32_t surface, std::size_t c) const {
+    const Node& n = nodes_[surface];
+    return component<C>(nodes_.scene().instances[n.instance].reflectance[nodes_.patch_of(n)], c);
+}
+
+template <int C>
+float LightField<C>::exitance(std::uint32_t surface, std::size_t c) const {
+    const Node& n = nodes_[surface];
+    return component<C>(nodes_.scene().instances[n.instance].exitance[nodes_.patch_of(n)], c);
+}
+
+template <int C>
+void LightField<C>::grow() {
+    const std::size_t before = radiosity_.size() / C;
+    radiosity_.resize(nodes_.size() * C, 0);
+    irradiance_.resize(nodes_.size() * C, 0);
+    vectors_.resize(std::size_t(nodes_.flat_count()) * 3 * C, 0);
+    for (std::size_t id = before; id < nodes_.size(); ++id) {
+        const Node& n = nodes_[static_cast<std::uint32_t>(id)];
+        if (n.kind != NodeKind::Surface) continue;
+        for (std::size_t c = 0; c < C; ++c)
+            radiosity_[id * C + c] = n.depth > 0 ? radiosity_[n.parent * C + c] : exitance(static_cast<std::uint32_t>(id), c);
+    }
+    if (before == 0)
+        for (std::uint32_t i = 0; i < nodes_.scene().instances.size(); ++i) pull_instance(i);
+}
+
+template <int C>
+void LightField<C>::set_links(const std::vector<Link>& links) {
+    bins_.reset();
+    scalar_first_.assign(nodes_.size() + 1, 0);
+    directed_first_.assign(nodes_.size() + 1, 0);
+    const auto count = [&](std::uint32_t receiver, std::uint32_t source) {
+        ++(scalar_half(nodes_[receiver], nodes_[source]) ? scalar_first_ : directed_first_)[receiver + 1];
+    };
+    for (const Link& l : links) {
+        if (l.base_a == 0 && l.base_b == 0) continue;
+        count(l.a, l.b);
+        count(l.b, l.a);
+        if (nodes_[l.a].kind == NodeKind::Bins) bins_.use(l.a, l.mode_a);
+        if (nodes_[l.b].kind == NodeKind::Bins) bins_.use(l.b, l.mode_b);
+    }
+    bins_.allocate();
+    for (std::size_t n = 0; n < nodes_.size(); ++n) {
+        scalar_first_[n + 1] += scalar_first_[n];
+        directed_first_[n + 1] += directed_first_[n];
+    }
+    scalar_.resize(scalar_first_.back());
+    directed_.resize(directed_first_.back());
+    std::vector<std::uint32_t> scalar_next(scalar_first_), directed_next(directed_first_);
+    for (const Link& l : links) {
+        if (l.base_a == 0 && l.base_b == 0) continue;
+        const Vec3 between = nodes_[l.b].centre - nodes_[l.a].centre;
+        const double d = length(between);
+        const Vec3 w = d > 0 ? between / d : Vec3{0, 1, 0};
+        const auto half = [&](std::uint32_t receiver, std::uint32_t source, float base, const Vec3& u,
+                              EndMode receiver_mode, EndMode source_mode) {
+            const Node &r = nodes_[receiver], &s = nodes_[source];
+            double gain = double(base);
+            if (s.kind != NodeKind::Bins) gain *= std::numbers::inv_pi;
+            if (r.kind == NodeKind::Surface) gain /= r.area;
+            if (r.kind == NodeKind::Flat) gain /= dot(r.area_vector, arrival(r, u));
+            if (scalar_half(r, s))
+                scalar_[scalar_next[receiver]++] = {source, static_cast<float>(gain)};
+            else
+                directed_[directed_next[receiver]++] = {source,        static_cast<float>(gain),
+                                                        to_float(u),   static_cast<float>(d > 0 ? 1 / d : 0),
+                                                        source_mode,   receiver_mode};
+        };
+        half(l.a, l.b, l.base_a, w, l.mode_a, l.mode_b);
+        half(l.b, l.a, l.base_b, -w, l.mode_b, l.mode_a);
+    }
+}
+
+template <int C>
+std::array<float, C> LightField<C>::source_value(const DirectedLink& link) const {
+    if (nodes_[link.source].kind == NodeKind::Bins) return bins_.intensity(link.source, link.source_mode, -to_double(link.u));
+    std::array<float, C> out;
+    for (std::size_t c = 0; c < C; ++c) out[c] = radiosity_[link.source * C + c];
+    return out;
+}
+
+template <int C>
+void LightField<C>::gather_surfaces() {
+    parallel_for(nodes_.size(), kGrain, [&](std::size_t id) {
+        const Node& node = nodes_[static_cast<std::uint32_t>(id)];
+        if (node.kind == NodeKind::Surface) {
+            std::array<double, C> e{};
+            for (std::uint32_t k = scalar_first_[id]; k < scalar_first_[id + 1]; ++k)
+                for (std::size_t c = 0; c < C; ++c)
+                    e[c] += double(scalar_[k].gain) * double(radiosity_[scalar_[k].source * C + c]);
+            for (std::uint32_t k = directed_first_[id]; k < directed_first_[id + 1]; ++k) {
+                const auto value = source_value(directed_[k]);
+                for (std::size_t c = 0; c < C; ++c) e[c] += double(directed_[k].gain) * double(value[c]);
+            }
+            for (std::size_t c = 0; c < C; ++c) irradiance_[id * C + c] = static_cast<float>(e[c]);
+        } else if (node.kind == NodeKind::Flat) {
+            std::array<double, 3 * C> v{};
+            for (std::uint32_t k = directed_first_[id]; k < directed_first_[id + 1]; ++k) {
+                const DirectedLink& link = directed_[k];
+                const auto value = source_value(link);
+                const Vec3 u = arrival(node, to_double(link.u));
+                for (std::size_t c = 0; c < C; ++c) {
+                    const double h = double(link.gain) * double(value[c]);
+                    v[3 * c] += h * u.x;
+                    v[3 * c + 1] += h * u.y;
+                    v[3 * c + 2] += h * u.z;
+                }
+            }
+            for (std::size_t c = 0; c < 3 * C; ++c) vectors_[node.slot * std::size_t(3 * C) + c] = static_cast<float>(v[c]);
+        }
+    });
+}
+
+template <int C>
+void LightField<C>::gather_bins() {
+    bins_.clear_incoming();
+    parallel_for(nodes_.size(), kGrain, [&](std::size_t id) {
+        if (nodes_[static_cast<std::uint32_t>(id)].kind != NodeKind::Bins) return;
+        for (std::uint32_t k = directed_first_[id]; k < directed_first_[id + 1]; ++k) {
+            const DirectedLink& link = directed_[k];
+            auto h = source_value(link);
+            for (float& x : h) x *= link.gain;
+            bins_.splat(static_cast<std::uint32_t>(id), link.receiver_mode, to_double(link.u), double(link.inverse_distance), h);
+        }
+    });
+}
+
+// Irradiance of flat nodes and faces goes down to the leaves; irradiance_ of a face with elements ends as their mean.
+template <int C>
+void LightField<C>::push_instance(std::uint32_t i) {
+    const InstanceNodes& in = nodes_.instance(i);
+    for (std::uint32_t id = in.first_cluster; id < in.first_face; ++id) {
+        const Node& n = nodes_[id];
+        if (n.kind != NodeKind::Flat || n.parent == kNoNode || nodes_[n.parent].kind != NodeKind::Flat) continue;
+        for (std::size_t c = 0; c < 3 * C; ++c)
+            vectors_[n.slot * std::size_t(3 * C) + c] += vectors_[nodes_[n.parent].slot * std::size_t(3 * C) + c];
+    }
+    const std::size_t faces = nodes_.scene().instances[i].data().faces.size();
+    for (std::uint32_t id = in.first_face; id < in.first_face + faces; ++id) {
+        const Node& n = nodes_[id];
+        const float* v = &vectors_[nodes_[n.parent].slot * std::size_t(3 * C)];
+        const Vec3 normal = n.normal();
+        for (std::size_t c = 0; c < C; ++c) {
+            const double e = normal.x * double(v[3 * c]) + normal.y * double(v[3 * c + 1]) + normal.z * double(v[3 * c + 2]);
+            irradiance_[id * C + c] += static_cast<float>(std::max(0.0, e));
+        }
+    }
+    for (const std::uint32_t id : in.elements)
+        for (std::size_t c = 0; c < C; ++c) irradiance_[id * C + c] += irradiance_[nodes_[id].parent * C + c];
+}
+
+// Area-weighted means from leaves to roots.
+template <int C>
+void LightField<C>::pull_instance(std::uint32_t i) {
+    const InstanceNodes& in = nodes_.instance(i);
+    const auto mean = [&](std::uint32_t id, bool with_irradiance) {
+        const Node& n = nodes_[id];
+        std::array<double, C> b{}, e{};
+        const auto add = [&](std::uint32_t child) {
+            for (std::size_t c = 0; c < C; ++c) {
+                b[c] += nodes_[child].area * double(radiosity_[child * C + c]);
+                e[c] += nodes_[child].area * double(irradiance_[child * C + c]);
+            }
+        };
+        if (n.second_child != 0) {
+            add(n.first_child);
+            add(n.second_child);
+        } else {
+            for (std::uint32_t k = 0; k < n.child_count; ++k) add(n.first_child + k);
+        }
+        if (!(n.area > 0)) return;
+        for (std::size_t c = 0; c < C; ++c) {
+            radiosity_[id * C + c] = static_cast<float>(b[c] / n.area);
+            if (with_irradiance) irradiance_[id * C + c] = static_cast<float>(e[c] / n.area);
+        }
+    };
+    for (auto it = in.elements.rbegin(); it != in.elements.rend(); ++it)
+        if (!leaf(*it)) mean(*it, true);
+    const auto faces = static_cast<std::uint32_t>(nodes_.scene().instances[i].data().faces.size());
+    for (std::uint32_t f = faces; f-- > 0;)
+        if (!leaf(in.first_face + f)) mean(in.first_face + f, true);
+    for (std::uint32_t id = in.first_face; id-- > in.first_cluster;) mean(id, false);
+}
+
+template <int C>
+template <class F>
+void LightField<C>::for_each_leaf(std::uint32_t i, const F& f) const {
+    const InstanceNodes& in = nodes_.instance(i);
+    const auto faces = static_cast<std::uint32_t>(nodes_.scene().instances[i].data().faces.size());
+    for (std::uint32_t id = in.first_face; id < in.first_face + faces; ++id)
+        if (leaf(id)) f(id);
+    for (const std::uint32_t id : in.elements)
+        if (leaf(id)) f(id);
+}
+
+template <int C>
+void LightField<C>::transport() {
+    bins_.pull(radiosity_);
+    gather_surfaces();
+    gather_bins();
+    bins_.push(irradiance_);
+    parallel_for(nodes_.scene().instances.size(), 1, [&](std::size_t i) { push_instance(static_cast<std::uint32_t>(i)); });
+}
+
+template <int C>
+double LightField<C>::close_rows() {
+    constexpr float kMost = 2;  // beyond that a leaf is hidden, not badly sampled
+    const std::vector<float> kept = radiosity_;
+    std::fill(radiosity_.begin(), radiosity_.end(), 1.0f);
+    row_scale_.clear();
+    transport();
+    row_scale_.assign(nodes_.size(), 1.0f);
+    double sum = 0, total = 0;
+    for (std::uint32_t i = 0; i < nodes_.scene().instances.size(); ++i)
+        for_each_leaf(i, [&](std::uint32_t id) {
+            const float row = irradiance_[id * C];
+            if (row < 1 / kMost) return;
+            row_scale_[id] = std::max(1 / row, 1 / kMost);
+            sum += nodes_[id].area * double(row - 1) * double(row - 1);
+            total += nodes_[id].area;
+        });
+    radiosity_ = kept;
+    return total > 0 ? std::sqrt(sum / total) : 0.0;
+}
+
+template <int C>
+double LightField<C>::sweep() {
+    transport();
+    const std::size_t instances = nodes_.scene().instances.size();
+    std::vector<double> change(instances, 0), area(instances, 0);
+    parallel_for(instances, 1, [&](std::size_t k) {
+        const auto i = static_cast<std::uint32_t>(k);
+        for_each_leaf(i, [&](std::uint32_t id) {
+            area[i] += nodes_[id].area;
+            for (std::size_t c = 0; c < C; ++c) {
+                if (!row_scale_.empty()) irradiance_[id * C + c] *= row_scale_[id];
+                const float next = exitance(id, c) + reflectance(id, c) * irradiance_[id * C + c];
+                const double d = double(next) - double(radiosity_[id * C + c]);
+                change[i] += nodes_[id].area * d * d;
+                radiosity_[id * C + c] = next;
+            }
+        });
+        pull_instance(i);
+    });
+    double sum = 0, total = 0;
+    for (std::size_t i = 0; i < instances; ++i) sum += change[i], total += area[i];
+    return total > 0 ? std::sqrt(sum / (total * C)) : 0.0;
+}
+
+template <int C>
+double LightField<C>::reflected_norm() const {
+    double sum = 0, total = 0;
+    for (std::uint32_t i = 0; i < nodes_.scene().instances.size(); ++i)
+        for_each_leaf(i, [&](std::uint32_t id) {
+            total += nodes_[id].area;
+            for (std::size_t c = 0; c < C; ++c) {
+                const double r = double(radiosity_[id * C + c]) - double(exitance(id, c));
+                sum += nodes_[id].area * r * r;
+            }
+        });
+    return total > 0 ? std::sqrt(sum / (total * C)) : 0.0;
+}
+
+template <int C>
+void LightField<C>::fill(Guide& guide) const {
+    guide.radiosity.assign(nodes_.size(), 0);
+    guide.reflectance.assign(nodes_.size(), 0);
+    for (std::size_t id = 0; id < nodes_.size(); ++id) {
+        double b = 0;
+        for (std::size_t c = 0; c < C; ++c) b += double(radiosity_[id * C + c]) * double(radiosity_[id * C + c]);
+        guide.radiosity[id] = static_cast<float>(std::sqrt(b / C));
+        const Node& n = nodes_[static_cast<std::uint32_t>(id)];
+        if (n.kind != NodeKind::Surface) continue;
+        float rho = 0;
+        for (std::size_t c = 0; c < C; ++c) rho += reflectance(static_cast<std::uint32_t>(id), c);
+        guide.reflectance[id] = rho / C;
+    }
+    double area = 0;
+    std::size_t faces = 0;
+    for (std::uint32_t i = 0; i < nodes_.scene().instances.size(); ++i) {
+        const InstanceNodes& in = nodes_.instance(i);
+        faces += nodes_.scene().instances[i].data().faces.size();
+        area += nodes_[in.first_cluster].area;
+        for (std::uint32_t id = in.first_face; id-- > in.first_cluster;) {
+            const Node& n = nodes_[id];
+            double rho = 0;
+            const auto add = [&](std::uint32_t child) { rho += nodes_[child].area * double(guide.reflectance[child]); };
+            if (n.second_child != 0) {
+                add(n.first_child);
+                add(n.second_child);
+            } else {
+                for (std::uint32_t k = 0; k < n.child_count; ++k) add(n.first_child + k);
+            }
+            guide.reflectance[id] = static_cast<float>(n.area > 0 ? rho / n.area : 0);
+        }
+    }
+    guide.typical_reflected = reflected_norm();
+    guide.typical_area = faces > 0 ? area / static_cast<double>(faces) : 0;
+}
+
+template <int C>
+std::uint64_t LightField<C>::bytes() const {
+    return scalar_.size() * sizeof(ScalarLink) + directed_.size() * sizeof(DirectedLink) + bins_.bytes();
+}
+
+bool is_closed(const Scene& scene) {
+    const auto no_black_backs = [](const ObjectData& data) {
+        // With two_sided=auto only closed, consistently wound components are one-sided.
+        return data.meta.closed || data.faces.size() == 2 * data.triangles.size() ||
+               data.meta.options.find("two_sided=auto") != std::string::npos;
+    };
+    int shells = 0;
+    for (const Instance& instance : scene.instances) {
+        const ObjectData& data = instance.data();
+        if (!no_black_backs(data)) return false;
+        if (!data.meta.closed) continue;
+        double volume = 0;  // three times the signed volume; negative where fronts look inwards
+        const Vec3 origin = instance.bounds.centre();
+        for (const Face face : data.faces) {
+            const TriangleCorners c = instance.world_corners(face);
+            volume += dot(c[0] - origin, area_vector(c));
+        }
+        if (volume >= 0) continue;
+        const bool holds_all = std::all_of(scene.instances.begin(), scene.instances.end(), [&](const Instance& other) {
+            return instance.bounds.contains(other.bounds.lo) && instance.bounds.contains(other.bounds.hi);
+        });
+        if (!holds_all) return false;
+        ++shells;
+    }
+    return shells == 1;
+}
+
+template class LightField<1>;
+template class LightField<3>;
+
+}  // namespace rro

@@ -1,0 +1,81 @@
+// One sweep of light over all links: pull radiosity up, gather over links, push irradiance down to faces and elements.
+#pragma once
+
+#include <vector>
+
+#include "solver/transport/direction_bins.h"
+#include "solver/transport/link.h"
+
+namespace rro {
+
+/// Radiosity of every node and the links between them, for C channels.
+template <int C>
+class LightField {
+  public:
+    LightField(const Nodes& nodes, const EndAreas& areas);
+
+    /// New elements start with their parent's light.
+    void grow();
+
+    /// Prepares the sweeps over these links.
+    void set_links(const std::vector<Link>& links);
+
+    /// For a closed scene (is_closed below): what every leaf receives under unit radiosity all around must be 1. Scales
+    /// each leaf's irradiance so from now on, by at most a factor of two. Call after set_links.
+    /// returns  area-weighted root mean square of the defect before
+    double close_rows();
+
+    /// One Jacobi sweep: irradiance from the present radiosity, then radiosity = exitance + reflectance * irradiance.
+    /// returns  area-weighted root mean square over leaf surfaces and channels of the change of B
+    double sweep();
+
+    /// Area-weighted root mean square of R = B - M over leaf surfaces and channels.
+    double reflected_norm() const;
+
+    void fill(Guide& guide) const;
+
+    const std::vector<float>& radiosity() const { return radiosity_; }    // [nodes * C]
+    const std::vector<float>& irradiance() const { return irradiance_; }  // [nodes * C], surfaces only
+    std::uint64_t bytes() const;
+    float reflectance(std::uint32_t surface, std::size_t channel) const;
+    float exitance(std::uint32_t surface, std::size_t channel) const;
+
+  private:
+    struct ScalarLink {  // between surfaces or from a flat node to a surface: E += gain * B
+        std::uint32_t source;
+        float gain;
+    };
+    struct DirectedLink {
+        std::uint32_t source;
+        float gain;
+        Vec3f u;                 // unit, world, towards the source
+        float inverse_distance;
+        EndMode source_mode, receiver_mode;
+    };
+    std::array<float, C> source_value(const DirectedLink& link) const;
+    void add_half(const Link& link, bool to_a, std::vector<std::vector<std::uint32_t>>& counts);
+    void transport();  // radiosity_ -> irradiance_ of leaves
+    void gather_surfaces();
+    void gather_bins();
+    void push_instance(std::uint32_t i);
+    void pull_instance(std::uint32_t i);
+    bool leaf(std::uint32_t surface) const { return nodes_[surface].child_count == 0; }
+    template <class F>
+    void for_each_leaf(std::uint32_t i, const F& f) const;
+
+    const Nodes& nodes_;
+    const EndAreas& areas_;
+    DirectionBins<C> bins_;
+    std::vector<float> radiosity_, irradiance_;      // [nodes * C]
+    std::vector<float> row_scale_;                   // [nodes], leaves of closed scenes; else empty
+    std::vector<float> vectors_;                     // [flat slots * 3 * C] irradiance vectors
+    std::vector<std::uint32_t> scalar_first_, directed_first_;  // [nodes + 1]
+    std::vector<ScalarLink> scalar_;
+    std::vector<DirectedLink> directed_;
+};
+
+/// Proven closed: one closed shell that faces inwards holds everything, and no black back can be seen, because every
+/// object is closed or its open parts are two-sided. Light then leaves nowhere.
+bool is_closed(const Scene& scene);
+
+}  // namespace rro

@@ -1,0 +1,89 @@
+// Links: which pairs of nodes exchange light directly, how much, and how wrong that is.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "solver/transport/direction_bins.h"
+#include "solver/transport/nodes.h"
+#include "solver/transport/transport.h"
+#include "solver/visibility/scene_rays.h"
+
+namespace rro {
+
+/// One link serves both directions. Far: with w the direction between the centres and d their distance, base =
+/// transmittance / d^2 times, for every end that is no Bins node, its visible projected area. Near: pi A F V instead,
+/// from the exact kernel at points of the receiver, so that what a point receives from all around sums to one.
+struct Link {
+    std::uint32_t a = 0, b = 0;
+    float base_a = 0, base_b = 0;    // for light that a receives, that b receives; equal for far pairs
+    float error_a = 0, error_b = 0;  // standard error of the exchange area as it matters to a, to b; m^2
+    EndMode mode_a = EndMode::Inside, mode_b = EndMode::Inside;
+    bool near = false;
+};
+
+/// What refinement knows of the light so far: one number per node, the root mean square over channels.
+struct Guide {
+    std::vector<float> radiosity;    // [nodes] W/m^2
+    std::vector<float> reflectance;  // [nodes] area-weighted mean
+    double typical_reflected = 0;    // root mean square of R over the scene, W/m^2
+    double typical_area = 0;         // mean area of a face, m^2
+    double tolerance = 0;            // error in R that a link may bring to a face of typical area, over typical_reflected
+};
+
+/// Error in reflected radiosity that one link may bring to a node, W/m^2. Large nodes count for more in the total error
+/// than small ones, so they get less.
+double link_tolerance(const Guide& guide, const Node& node);
+
+/// Reflected radiosity at `to` that an exchange area in m^2 brings from `from`, W/m^2.
+double reflected(const Guide& guide, const Nodes& nodes, std::uint32_t to, std::uint32_t from, double exchange);
+
+struct Verdict {
+    enum class Action : std::uint8_t { Drop, Accept, SplitA, SplitB, Pending };
+    Action action = Action::Drop;
+    Link link;
+    std::uint32_t rays = 0;
+};
+
+/// Decides about pairs. Holds no state of its own beyond references; safe to use from many threads.
+class LinkBuilder {
+  public:
+    LinkBuilder(const Nodes& nodes, const EndAreas& areas, const SceneRays& rays, const TransportOptions& options);
+
+    /// Judges a pair of different nodes under the present guide.
+    Verdict judge(std::uint32_t a, std::uint32_t b, const Guide& guide) const;
+
+    /// Could light go within a node by more than its tolerance? If so its children must be paired.
+    bool splits_self(std::uint32_t node, const Guide& guide) const;
+
+    /// Can a node be divided further?
+    bool divisible(const Node& node) const;
+
+  private:
+    /// Tolerances that one m^2 of exchange area uses up at `to`, for a pair of this exchange area.
+    double weight(const Guide& guide, std::uint32_t to, std::uint32_t from, double exchange) const;
+    Verdict judge_near(std::uint32_t a, std::uint32_t b, const Guide& guide) const;
+    Verdict judge_far(std::uint32_t a, std::uint32_t b, const Guide& guide) const;
+    Verdict split(std::uint32_t a, std::uint32_t b, bool prefer_a) const;
+    bool may_see(const Node& from, const Node& to) const;
+    /// Does the object hide nothing of itself, so that its visibility is 1 wherever it faces?
+    bool exact_tables(const Node& n) const;
+    EndMode end_mode(const Node& end, const Node& other, double affordable_error) const;
+
+    /// Mean transmittance between two ends and the variance of that mean. `need`: the ray count doubles until its
+    /// standard deviation times `need` is below 1.
+    struct Transmittance {
+        double mean = 1, variance = 0, spread = 0;  // spread: variance of one ray
+        std::uint32_t rays = 0;
+    };
+    Transmittance transmittance(std::uint32_t a, std::uint32_t b, EndMode mode_a, EndMode mode_b, double need) const;
+
+    const Nodes& nodes_;
+    const EndAreas& areas_;
+    const SceneRays& rays_;
+    const TransportOptions& options_;
+    std::vector<std::uint64_t> instance_key_;  // from the name
+    double smallest_area_ = 0;                 // of an element, m^2
+};
+
+}  // namespace rro

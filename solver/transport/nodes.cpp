@@ -1,0 +1,230 @@
+#include "solver/transport/nodes.h"
+
+#include <cassert>
+
+namespace rro {
+
+namespace {
+
+// A cluster whose normals lie within this cosine of their mean radiates and receives like a tilted plate.
+constexpr float kFlatConeCosine = 0.8f;
+
+// Light that reaches an object through one link is translated to about this many sub-clusters before it is pushed to
+// patches: one link then does as well as a hundred without (measured on busts, chairs and scans).
+constexpr std::uint32_t kTerminalsPerObject = 48;
+constexpr std::uint32_t kSmallestTerminal = 8;  // patches
+
+// Corners of the four children of a triangle in its own barycentric coordinates: three at the corners, one inside.
+ElementCorners child_corners(const ElementCorners& c, int child) {
+    const auto middle = [](const std::array<float, 2>& a, const std::array<float, 2>& b) {
+        return std::array<float, 2>{0.5f * (a[0] + b[0]), 0.5f * (a[1] + b[1])};
+    };
+    const auto m01 = middle(c[0], c[1]), m12 = middle(c[1], c[2]), m20 = middle(c[2], c[0]);
+    switch (child) {
+        case 0: return {c[0], m01, m20};
+        case 1: return {m01, c[1], m12};
+        case 2: return {m20, m12, c[2]};
+        default: return {m12, m20, m01};
+    }
+}
+
+}  // namespace
+
+Nodes::Nodes(const Scene& scene) : scene_(&scene), instances_(scene.instances.size()) {
+    std::size_t count = 0;
+    for (const Instance& i : scene.instances) count += i.data().clusters.size() + i.data().faces.size();
+    nodes_.reserve(count + count / 4);
+    for (std::uint32_t i = 0; i < scene.instances.size(); ++i) add_instance(i);
+}
+
+void Nodes::set_surface(Node& node, const TriangleCorners& c) const {
+    node.kind = NodeKind::Surface;
+    node.area_vector = area_vector(c);
+    node.area = length(node.area_vector);
+    node.centre = (c[0] + c[1] + c[2]) / 3.0;
+    node.cone_cosine = 1;
+    double r2 = 0;
+    for (const Vec3& p : c) {
+        node.box.add(p);
+        r2 = std::max(r2, length2(p - node.centre));
+    }
+    node.radius = static_cast<float>(std::sqrt(r2));
+}
+
+void Nodes::add_instance(std::uint32_t i) {
+    const Instance& instance = scene_->instances[i];
+    const ObjectData& data = instance.data();
+    InstanceNodes& in = instances_[i];
+    const auto cluster_count = static_cast<std::uint32_t>(data.clusters.size());
+    const auto face_count = static_cast<std::uint32_t>(data.faces.size());
+    const auto patch_count = static_cast<std::uint32_t>(data.patches.size());
+    in.first_cluster = static_cast<std::uint32_t>(nodes_.size());
+    in.first_face = in.first_cluster + cluster_count;
+    nodes_.resize(nodes_.size() + cluster_count + face_count);
+
+    for (std::uint32_t f = 0; f < face_count; ++f) {
+        Node& node = nodes_[in.first_face + f];
+        set_surface(node, instance.world_corners(data.faces[f]));
+        node.instance = i;
+        node.index = f;
+    }
+
+    // Bottom-up: sums over children.
+    for (std::uint32_t c = cluster_count; c-- > 0;) {
+        const Cluster& cluster = data.clusters[c];
+        const std::uint32_t id = in.first_cluster + c;
+        Node& node = nodes_[id];
+        node.instance = i;
+        node.index = c;
+        if (cluster.right_child == 0) {
+            const Patch& patch = data.patches[cluster.first_patch];
+            node.first_child = in.first_face + patch.first_face;
+            node.child_count = patch.face_count;
+        } else {
+            node.first_child = id + 1;
+            node.second_child = in.first_cluster + cluster.right_child;
+            node.child_count = 2;
+        }
+        const auto add = [&](std::uint32_t child) {
+            Node& n = nodes_[child];
+            n.parent = id;
+            node.area += n.area;
+            node.area_vector += n.area_vector;
+            node.centre += n.centre * n.area;
+            node.box.add(n.box);
+        };
+        if (cluster.right_child == 0)
+            for (std::uint32_t k = 0; k < node.child_count; ++k) add(node.first_child + k);
+        else
+            add(node.first_child), add(node.second_child);
+        node.centre = node.area > 0 ? node.centre / node.area : node.box.centre();
+    }
+
+    // Extents and cones are taken over the faces below, exactly: each face visits its ancestors.
+    for (std::uint32_t c = 0; c < cluster_count; ++c) {
+        Node& node = nodes_[in.first_cluster + c];
+        node.radius = 0;
+        node.cone_cosine = length(node.area_vector) > 1e-6 * node.area ? 1.0f : -1.0f;
+    }
+    std::vector<Vec3> normals(cluster_count);
+    for (std::uint32_t c = 0; c < cluster_count; ++c) normals[c] = nodes_[in.first_cluster + c].normal();
+    for (std::uint32_t f = 0; f < face_count; ++f) {
+        const Node& face = nodes_[in.first_face + f];
+        const Vec3 normal = face.normal();
+        for (std::uint32_t a = face.parent; a != kNoNode; a = nodes_[a].parent) {
+            Node& node = nodes_[a];
+            node.radius = std::max(node.radius, static_cast<float>(length(face.centre - node.centre) + face.radius));
+            if (node.cone_cosine > -1)
+                node.cone_cosine = std::min(node.cone_cosine, static_cast<float>(dot(normals[node.index], normal)));
+        }
+    }
+
+    // Kinds, top-down.
+    const std::uint32_t terminal = std::max(kSmallestTerminal, patch_count / kTerminalsPerObject);
+    for (std::uint32_t c = 0; c < cluster_count; ++c) {
+        Node& node = nodes_[in.first_cluster + c];
+        const Cluster& cluster = data.clusters[c];
+        const bool parent_flat = c > 0 && nodes_[node.parent].kind == NodeKind::Flat;
+        if (parent_flat || node.cone_cosine >= kFlatConeCosine || cluster.right_child == 0) {
+            node.kind = NodeKind::Flat;
+            node.slot = flat_count_++;
+        } else if (c == 0 || (nodes_[node.parent].kind == NodeKind::Bins &&
+                              data.clusters[node.parent - in.first_cluster].patch_count > terminal)) {
+            node.kind = NodeKind::Bins;
+            node.slot = bins_count_++;
+            if (cluster.patch_count <= terminal) in.terminals.push_back(in.first_cluster + c);
+        }
+    }
+    // A Bins node above the terminal size hands its light to Bins or Flat children only; Flat children of such a node
+    // receive through their own faces, so they are terminals of their own.
+    for (std::uint32_t c = 1; c < cluster_count; ++c) {
+        const Node& node = nodes_[in.first_cluster + c];
+        const Node& parent = nodes_[node.parent];
+        if (node.kind == NodeKind::Flat && parent.kind == NodeKind::Bins &&
+            data.clusters[parent.index].patch_count > terminal)
+            in.terminals.push_back(in.first_cluster + c);
+    }
+    std::sort(in.terminals.begin(), in.terminals.end());
+
+    const Node& root = nodes_[in.first_cluster];
+    const Vec3 n = root.normal();
+    in.planar = root.cone_cosine > 1 - 1e-6f;
+    for (std::uint32_t f = 0; f < face_count && in.planar; ++f)
+        in.planar = std::abs(dot(n, nodes_[in.first_face + f].centre - root.centre)) <= 1e-6 * root.radius;
+}
+
+std::uint32_t Nodes::face_of(const Node& surface) const {
+    assert(surface.kind == NodeKind::Surface);
+    return surface.depth == 0 ? surface.index : element_face_[surface.index];
+}
+
+TriangleCorners Nodes::corners(std::uint32_t surface) const {
+    const Node& node = nodes_[surface];
+    const Instance& instance = scene_->instances[node.instance];
+    const Face face = instance.data().faces[face_of(node)];
+    if (node.depth == 0) return instance.world_corners(face);
+    // Element corners are relative to the face's own corners; mirrored instances swap at the end.
+    TriangleCorners c = instance.data().corners(face);
+    for (Vec3& p : c) p = instance.to_world.point(p);
+    TriangleCorners e;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const std::array<float, 2>& b = element_corners_[node.index][k];
+        e[k] = c[0] + (c[1] - c[0]) * double(b[0]) + (c[2] - c[0]) * double(b[1]);
+    }
+    if (instance.determinant_sign < 0) std::swap(e[1], e[2]);
+    return e;
+}
+
+std::array<std::uint32_t, 2> Nodes::faces(const Node& node) const {
+    if (node.kind == NodeKind::Surface) {
+        const std::uint32_t f = face_of(node);
+        return {f, f + 1};
+    }
+    const ObjectData& data = scene_->instances[node.instance].data();
+    const Cluster& cluster = data.clusters[node.index];
+    const Patch& last = data.patches[cluster.first_patch + cluster.patch_count - 1];
+    return {data.patches[cluster.first_patch].first_face, last.first_face + last.face_count};
+}
+
+void Nodes::children(std::uint32_t id, std::vector<std::uint32_t>& out) const {
+    out.clear();
+    const Node& node = nodes_[id];
+    const auto push = [&](std::uint32_t child) {
+        const Node& n = nodes_[child];
+        out.push_back(n.kind != NodeKind::Surface && n.child_count == 1 ? n.first_child : child);
+    };
+    if (node.second_child != 0) {
+        push(node.first_child);
+        push(node.second_child);
+    } else {
+        for (std::uint32_t k = 0; k < node.child_count; ++k) push(node.first_child + k);
+    }
+}
+
+void Nodes::subdivide(std::uint32_t surface) {
+    assert(nodes_[surface].kind == NodeKind::Surface);
+    if (nodes_[surface].child_count > 0) return;
+    const Node parent = nodes_[surface];
+    const ElementCorners whole{{{0, 0}, {1, 0}, {0, 1}}};
+    const ElementCorners base = parent.depth == 0 ? whole : element_corners_[parent.index];
+    const auto first = static_cast<std::uint32_t>(nodes_.size());
+    const std::uint32_t face = face_of(parent);
+    for (int k = 0; k < 4; ++k) {
+        Node child;
+        child.instance = parent.instance;
+        child.parent = surface;
+        child.index = static_cast<std::uint32_t>(element_corners_.size());
+        child.depth = static_cast<std::uint8_t>(parent.depth + 1);
+        child.kind = NodeKind::Surface;
+        element_corners_.push_back(child_corners(base, k));
+        element_face_.push_back(face);
+        nodes_.push_back(child);
+        const auto id = static_cast<std::uint32_t>(nodes_.size() - 1);
+        set_surface(nodes_[id], corners(id));
+        instances_[parent.instance].elements.push_back(id);
+    }
+    nodes_[surface].first_child = first;
+    nodes_[surface].child_count = 4;
+}
+
+}  // namespace rro

@@ -1,0 +1,105 @@
+// The scene as one forest of nodes in world space: every instance's cluster tree, the faces below its patches, and the
+// elements that faces are subdivided into on demand.
+//
+// Order: an instance's clusters (preorder), then its faces, then the next instance; elements follow all instances. A
+// child's number is always larger than its parent's, so one forward loop pushes down and one backward loop pulls up.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "solver/scene/scene.h"
+
+namespace rro {
+
+inline constexpr std::uint32_t kNoNode = 0xffffffffu;
+
+/// What a node may be at the end of a link.
+enum class NodeKind : std::uint8_t {
+    Surface,  // a face or an element: planar, exact form factors, scalar irradiance
+    Flat,     // several faces that look one way: mean radiosity out, irradiance vector in
+    Bins,     // a cluster of many orientations: intensity per direction out, light per direction in
+    Cluster,  // too small for bins, too round to be flat: never an end, always split
+};
+
+struct Node {
+    Vec3 centre;                    // area-weighted centroid, world
+    Box3 box;                       // world
+    Vec3 area_vector;               // sum of area times normal, world, m^2
+    double area = 0;                // m^2
+    float radius = 0;               // about centre, m
+    float cone_cosine = -1;         // smallest cosine between the mean normal and a face's
+    std::uint32_t instance = 0;
+    std::uint32_t index = 0;        // cluster, face or element number
+    std::uint32_t parent = kNoNode;
+    std::uint32_t first_child = 0;  // clusters: the left child, whose sibling is second_child; else children in a row
+    std::uint32_t second_child = 0;
+    std::uint32_t child_count = 0;
+    std::uint32_t slot = 0;         // Flat: number of its irradiance vector; Bins: of its direction bins
+    NodeKind kind = NodeKind::Cluster;
+    std::uint8_t depth = 0;         // of an element below its face
+
+    Vec3 normal() const { return normalised(area_vector); }
+    bool planar() const { return kind == NodeKind::Surface; }
+};
+
+/// Where an instance's nodes lie.
+struct InstanceNodes {
+    std::uint32_t first_cluster = 0, first_face = 0;
+    std::vector<std::uint32_t> elements;   // node numbers, ascending
+    std::vector<std::uint32_t> terminals;  // Bins nodes without Bins children: light reaches patches from these
+    bool planar = false;                   // all in one plane: it cannot block itself
+};
+
+/// An element's corners within its face, barycentric.
+using ElementCorners = std::array<std::array<float, 2>, 3>;
+
+class Nodes {
+  public:
+    explicit Nodes(const Scene& scene);
+
+    const Scene& scene() const { return *scene_; }
+    std::size_t size() const { return nodes_.size(); }
+    const Node& operator[](std::uint32_t n) const { return nodes_[n]; }
+    const InstanceNodes& instance(std::uint32_t i) const { return instances_[i]; }
+    std::uint32_t root(std::uint32_t i) const { return instances_[i].first_cluster; }
+    std::uint32_t flat_count() const { return flat_count_; }
+    std::uint32_t bins_count() const { return bins_count_; }
+
+    /// The face that a surface node is or is part of, and its patch.
+    std::uint32_t face_of(const Node& surface) const;
+    std::uint32_t patch_of(const Node& surface) const {
+        return scene_->instances[surface.instance].object->patch_of_face[face_of(surface)];
+    }
+    std::uint32_t triangle_of(const Node& surface) const {
+        return scene_->instances[surface.instance].data().faces[face_of(surface)].triangle();
+    }
+
+    /// World corners of a surface node, counter-clockwise from its side.
+    TriangleCorners corners(std::uint32_t surface) const;
+    const ElementCorners& element_corners(std::uint32_t element) const { return element_corners_[nodes_[element].index]; }
+
+    /// Half-open range of face numbers below a node.
+    std::array<std::uint32_t, 2> faces(const Node& node) const;
+
+    /// Children as ends of links: a patch of one face is skipped in favour of the face.
+    void children(std::uint32_t node, std::vector<std::uint32_t>& out) const;
+
+    /// Gives a surface node four elements, if it has none. Not thread-safe.
+    void subdivide(std::uint32_t surface);
+
+  private:
+    void add_instance(std::uint32_t i);
+    void set_surface(Node& node, const TriangleCorners& c) const;
+
+    const Scene* scene_;
+    std::vector<Node> nodes_;
+    std::vector<InstanceNodes> instances_;
+    std::vector<ElementCorners> element_corners_;
+    std::vector<std::uint32_t> element_face_;  // per element: face number
+    std::uint32_t flat_count_ = 0, bins_count_ = 0;
+};
+
+}  // namespace rro

@@ -1,0 +1,178 @@
+// The solve, in order: nodes, then rounds of refining links under the light known so far and iterating that light.
+#include <chrono>
+
+#include "solver/transport/gather.h"
+#include "solver/transport/refine.h"
+#include "solver/transport/transport.h"
+
+namespace rro {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+constexpr int kMostRounds = 9;
+constexpr int kMostSweeps = 1000;
+// Light of the first rounds only steers refinement: direct light, one bounce, then converged.
+constexpr int kDirectRounds = 1;
+// The share of the total error that one link may bring; some tens of links of this size meet at a face.
+constexpr double kLinkShare = 1.5;
+
+struct Residual {
+    int sweeps = 0;
+    double relative = 0;  // ||r|| / ((1 - q) ||R||), q the ratio of the last two sweeps' ||r||
+};
+
+// Plain sweeps until the remaining error is below `goal` of R.
+template <int C>
+Residual iterate(LightField<C>& field, double goal, double largest_reflectance, int most) {
+    Residual out;
+    double last = 0;
+    for (out.sweeps = 1; out.sweeps <= most; ++out.sweeps) {
+        const double r = field.sweep();
+        const double norm = field.reflected_norm();
+        double q = largest_reflectance;
+        if (out.sweeps >= 3 && last > 0) q = std::min(r / last, 0.9999);
+        last = r;
+        out.relative = norm > 0 ? r / ((1 - q) * norm) : 0;
+        if (out.relative <= goal) break;
+    }
+    out.sweeps = std::min(out.sweeps, most);
+    return out;
+}
+
+// What later bounces make of an error in the light of one: errors that agree in sign grow like the light itself, those
+// that do not mostly cancel; the root of the light's growth lies between.
+template <int C>
+double amplification(const Scene& scene, const Nodes& nodes, const LightField<C>& field) {
+    double all = 0, emitted = 0;
+    for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
+        const InstanceNodes& in = nodes.instance(i);
+        for (std::uint32_t f = 0; f < scene.instances[i].data().faces.size(); ++f)
+            for (std::size_t c = 0; c < C; ++c) {
+                const std::uint32_t id = in.first_face + f;
+                all += nodes[id].area * double(field.radiosity()[id * C + c]);
+                emitted += nodes[id].area * double(field.exitance(id, c));
+            }
+    }
+    return emitted > 0 ? std::sqrt(std::max(1.0, all / emitted)) : 1.0;
+}
+
+template <int C>
+void store(const Scene& scene, const Nodes& nodes, const LightField<C>& field, Solution& solution) {
+    const auto rgb = [](const std::vector<float>& v, std::size_t id) {
+        return C == 1 ? Rgb{v[id], v[id], v[id]} : Rgb{v[id * C], v[id * C + 1 % C], v[id * C + 2 % C]};
+    };
+    for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
+        const InstanceNodes& in = nodes.instance(i);
+        const auto faces = static_cast<std::uint32_t>(scene.instances[i].data().faces.size());
+        InstanceSolution& out = solution.instances.emplace_back();
+        for (std::uint32_t f = 0; f < faces; ++f) {
+            const std::uint32_t id = in.first_face + f;
+            out.radiosity.push_back(rgb(field.radiosity(), id));
+            out.irradiance.push_back(rgb(field.irradiance(), id));
+            if (nodes[id].child_count == 0) ++solution.elements;
+            for (std::size_t c = 0; c < 3; ++c) {
+                const std::size_t k = C == 1 ? 0 : c;
+                const auto ch = static_cast<int>(c);
+                const double e = double(field.irradiance()[id * C + k]) * nodes[id].area;
+                solution.energy.emitted[ch] += double(field.exitance(id, k)) * nodes[id].area;
+                solution.energy.absorbed[ch] += (1 - double(field.reflectance(id, k))) * e;
+            }
+        }
+        for (const std::uint32_t id : in.elements)
+            if (nodes[id].child_count == 0)
+                out.elements.push_back({nodes.face_of(nodes[id]), nodes.element_corners(id), rgb(field.radiosity(), id),
+                                        rgb(field.irradiance(), id)});
+        solution.elements += out.elements.size();
+        std::stable_sort(out.elements.begin(), out.elements.end(),
+                         [](const Element& x, const Element& y) { return x.face < y.face; });
+    }
+    solution.energy.escaped = solution.energy.emitted - solution.energy.absorbed;
+}
+
+template <int C>
+Result<Solution> solve(const Scene& scene, const TransportOptions& options, const Progress& progress) {
+    Solution solution;
+    solution.accuracy = options.accuracy;
+    const auto tell = [&](std::string_view phase, double done) {
+        if (progress) progress(phase, done);
+    };
+
+    auto start = Clock::now();
+    Nodes nodes(scene);
+    const EndAreas areas(nodes);
+    const SceneRays rays(scene);
+    const LinkBuilder builder(nodes, areas, rays, options);
+    LightField<C> field(nodes, areas);
+    LinkSet set(nodes);
+    const bool closed = is_closed(scene);
+    Guide guide;
+    guide.tolerance = kLinkShare * options.accuracy;
+    solution.seconds.links += seconds_since(start);
+
+    double largest_reflectance = 0, emitted = 0, area = 0;
+    for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
+        const InstanceNodes& in = nodes.instance(i);
+        for (std::uint32_t f = 0; f < scene.instances[i].data().faces.size(); ++f)
+            for (std::size_t c = 0; c < C; ++c) {
+                largest_reflectance = std::max(largest_reflectance, double(field.reflectance(in.first_face + f, c)));
+                emitted += double(field.exitance(in.first_face + f, c)) * nodes[in.first_face + f].area / C;
+            }
+        area += nodes[nodes.root(i)].area;
+    }
+
+    double error = 0;
+    Residual residual;
+    for (int round = 0; round < kMostRounds; ++round) {
+        tell("links", double(round) / kMostRounds);
+        start = Clock::now();
+        field.fill(guide);
+        // Before any light has been gathered: all emitted power spread evenly and reflected once.
+        if (round == 0 && area > 0) guide.typical_reflected = emitted / area * 0.5;
+        const std::size_t before = nodes.size(), links_before = set.links.size();
+        const std::uint64_t rays_before = set.rays;
+        refine(set, nodes, guide, builder);
+        field.grow();
+        field.set_links(set.links);
+        if (closed) field.close_rows();
+        solution.seconds.links += seconds_since(start);
+
+        tell("iterate", double(round) / kMostRounds);
+        start = Clock::now();
+        const bool changed = nodes.size() != before || set.links.size() != links_before || set.rays != rays_before;
+        residual = iterate(field, options.accuracy / 10, largest_reflectance, round < kDirectRounds ? 2 : kMostSweeps);
+        solution.iterations += residual.sweeps;
+        solution.seconds.iterate += seconds_since(start);
+
+        field.fill(guide);
+        error = guide.typical_reflected > 0 ? estimated_error(set, nodes, guide) / guide.typical_reflected : 0;
+        if (!closed) error *= amplification(scene, nodes, field);
+        if (round < kDirectRounds + 1) continue;
+        if (error <= options.accuracy && !(changed && round < kDirectRounds + 2)) break;
+        if (error > options.accuracy) guide.tolerance *= std::clamp(0.8 * options.accuracy / error, 0.25, 0.8);
+    }
+
+    solution.residual = residual.relative;
+    solution.estimated_error = std::hypot(error, residual.relative);
+    solution.converged = solution.estimated_error <= options.accuracy;
+    solution.rays = set.rays;
+    for (const Link& l : set.links) {
+        if (nodes[l.a].instance == nodes[l.b].instance) ++solution.links.self;
+        else ++(l.near ? solution.links.near : solution.links.far);
+    }
+    solution.links.bytes = set.links.size() * sizeof(Link) + field.bytes();
+    store(scene, nodes, field, solution);
+    return solution;
+}
+
+}  // namespace
+
+Result<Solution> solve_reusable(const Scene& scene, const Plan& plan, const TransportOptions& options,
+                                const Progress& progress) {
+    return plan.channels == 1 ? solve<1>(scene, options, progress) : solve<3>(scene, options, progress);
+}
+
+}  // namespace rro

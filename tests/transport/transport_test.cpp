@@ -1,0 +1,154 @@
+// Laws that the reusable method must obey, and its agreement with the Monte Carlo reference.
+#include "solver/transport/transport.h"
+
+#include <catch2/catch.hpp>
+
+#include "format/parallel.h"
+#include "solver/study/reference.h"
+#include "tests/support/meshes.h"
+#include "tests/support/scenes.h"
+
+namespace rro::test {
+namespace {
+
+const Mat3 kUpsideDown{{Vec3{1, 0, 0}, Vec3{0, -1, 0}, Vec3{0, 0, -1}}};
+
+Solution solve(const Scene& scene, double accuracy) {
+    auto plan = plan_effects(scene, {});
+    REQUIRE(plan);
+    TransportOptions options;
+    options.accuracy = accuracy;
+    auto solution = solve_reusable(scene, *plan, options);
+    REQUIRE(solution);
+    return std::move(*solution);
+}
+
+double face_area(const Instance& instance, std::size_t f) {
+    return length(area_vector(instance.world_corners(instance.data().faces[f])));
+}
+
+double mean_irradiance(const Scene& scene, const Solution& solution, std::size_t i) {
+    double sum = 0, area = 0;
+    for (std::size_t f = 0; f < scene.instances[i].data().faces.size(); ++f) {
+        const double a = face_area(scene.instances[i], f);
+        sum += a * double(solution.instances[i].irradiance[f].y);
+        area += a;
+    }
+    return sum / area;
+}
+
+// Area-weighted relative root mean square difference of reflected radiosity: the definition of error.
+double difference(const Scene& scene, const Solution& x, const Solution& truth) {
+    double sum = 0, norm = 0;
+    for (std::size_t i = 0; i < scene.instances.size(); ++i)
+        for (std::size_t f = 0; f < scene.instances[i].data().faces.size(); ++f) {
+            const Instance& instance = scene.instances[i];
+            const double a = face_area(instance, f);
+            const Vec3 m = to_double(instance.exitance[instance.object->patch_of_face[f]]);
+            const Vec3 b = to_double(truth.instances[i].radiosity[f]);
+            sum += a * length2(to_double(x.instances[i].radiosity[f]) - b);
+            norm += a * length2(b - m);
+        }
+    return std::sqrt(sum / norm);
+}
+
+// A room with a lamp, a ball and three boxes, one of them sheared: closed, coloured, with far and near pairs.
+Scene furnished_room() {
+    Affine3 sheared = translation({-0.5, 0.401, 0.3});
+    sheared.linear.rows[0] = {1, 0.2, 0};
+    return make_scene({
+        {turned_inside_out(make_box(4, 2.5, 4, 8, {0, 1.25, 0})), {}, {0.7, 0.6, 0.5}, {}, "room"},
+        {make_quad(0.8, 0.8, false, 4), {kUpsideDown, {0, 2.49, 0}}, {0, 0, 0}, {10, 10, 8}, "lamp"},
+        {make_sphere(3, 0.4), translation({0.9, 0.401, -0.4}), {0.3, 0.5, 0.7}, {}, "ball"},
+        {make_box(0.6, 0.8, 0.6, 3), sheared, {0.8, 0.2, 0.2}, {}, "box"},
+        {make_two_boxes(0.3, 0.1, 2), translation({0.2, 0.151, 1.2}), {0.5, 0.5, 0.5}, {}, "pair"},
+    });
+}
+
+}  // namespace
+
+TEST_CASE("a closed room of equal walls settles at M / (1 - rho)", "[transport]") {
+    for (const double rho : {0.0, 0.5, 0.9}) {
+        const Scene scene = make_scene({{turned_inside_out(make_box(1, 2, 3)), {}, {rho, rho, rho}, {1, 1, 1}}});
+        const Solution s = solve(scene, 0.02);
+        const double expected = 1 / (1 - rho);
+        // Asked: 2 % of the reflected part root mean square, three times that for the worst triangle.
+        for (const Rgb& b : s.instances[0].radiosity)
+            CHECK(double(b.x) == Approx(expected).margin(3 * 0.02 * (expected - 1) + 1e-6));
+        CHECK(s.converged);
+    }
+}
+
+TEST_CASE("a sphere seen from inside is a furnace too", "[transport]") {
+    const Scene scene = make_scene({{turned_inside_out(make_sphere(2)), {}, {0.5, 0.5, 0.5}, {1, 1, 1}}});
+    const Solution s = solve(scene, 0.03);
+    for (const Rgb& b : s.instances[0].radiosity) CHECK(double(b.x) == Approx(2.0).margin(3 * 0.03));
+}
+
+TEST_CASE("irradiance from an emitting square is its view factor", "[transport]") {
+    // Howell C-11: facing unit squares at distance 1. The emitter shines down on a receiver that reflects nothing back.
+    const Mesh quad = make_quad(1, 1);
+    const Vec3 half{0.5, 0.5, 0.5}, none{}, one{1, 1, 1};
+    const Affine3 turned{kUpsideDown, {0, 1, 0}};
+    const double facing = 0.199824895698387;
+    SECTION("unobstructed") {
+        const Scene scene = make_scene({{quad, {}, half, none}, {quad, turned, none, one}});
+        CHECK(mean_irradiance(scene, solve(scene, 0.01), 0) == Approx(facing).epsilon(0.01));
+    }
+    SECTION("a square of side 1/2 midway blocks half of it") {
+        const Scene scene = make_scene(
+            {{quad, {}, half, none}, {quad, turned, none, one}, {make_quad(0.5, 0.5), translation({0, 0.5, 0}), none, none}});
+        CHECK(mean_irradiance(scene, solve(scene, 0.01), 0) == Approx(0.0995062945989848).epsilon(0.02));
+    }
+    SECTION("a mirrored instance receives on the same side") {
+        Affine3 mirror;
+        mirror.linear.rows[0] = {-1, 0, 0};
+        const Scene scene = make_scene({{quad, mirror, half, none}, {quad, turned, none, one}});
+        CHECK(mean_irradiance(scene, solve(scene, 0.01), 0) == Approx(facing).epsilon(0.01));
+    }
+    SECTION("a back is black") {
+        const Scene scene = make_scene({{quad, {}, half, none}, {quad, translation({0, 1, 0}), none, one}});
+        CHECK(mean_irradiance(scene, solve(scene, 0.01), 0) == 0);
+    }
+    SECTION("all lengths times three change nothing") {
+        const auto scaled = [](Affine3 m) {
+            for (Vec3& row : m.linear.rows) row *= 3;
+            m.translation *= 3;
+            return m;
+        };
+        const Scene scene = make_scene({{quad, scaled({}), half, none}, {quad, scaled(turned), none, one}});
+        CHECK(mean_irradiance(scene, solve(scene, 0.01), 0) == Approx(facing).epsilon(0.01));
+    }
+}
+
+TEST_CASE("a furnished room agrees with the reference", "[transport]") {
+    const Scene scene = furnished_room();
+    ReferenceOptions reference;
+    reference.samples = 256;
+    const auto truth = solve_reference(scene, reference);
+    REQUIRE(truth);
+    for (const double accuracy : {0.1, 0.05}) {
+        const Solution s = solve(scene, accuracy);
+        const double noise = truth->estimated_error;
+        const double error = std::sqrt(std::max(0.0, std::pow(difference(scene, s, *truth), 2) - noise * noise));
+        INFO("asked " << accuracy << ", error " << error << ", estimate " << s.estimated_error << ", reference noise "
+                      << noise << ", links " << s.links.total() << ", rays " << s.rays << ", sweeps " << s.iterations);
+        CHECK(error <= 1.5 * accuracy);
+        CHECK(s.converged);
+    }
+}
+
+TEST_CASE("the number of threads does not change a bit", "[transport]") {
+    const Scene scene = furnished_room();
+    std::vector<Solution> solutions;
+    for (const unsigned threads : {1u, 2u, 5u}) {
+        set_thread_count(threads);
+        solutions.push_back(solve(scene, 0.1));
+    }
+    set_thread_count(0);
+    for (std::size_t k = 1; k < solutions.size(); ++k)
+        for (std::size_t i = 0; i < scene.instances.size(); ++i)
+            CHECK(solutions[k].instances[i].radiosity == solutions[0].instances[i].radiosity);
+}
+
+}  // namespace rro::test
