@@ -66,6 +66,16 @@ void LightField<C>::grow() {
 }
 
 template <int C>
+void LightField<C>::extinguish() {
+    for (std::uint32_t i = 0; i < nodes_.scene().instances.size(); ++i) {
+        for_each_leaf(i, [&](std::uint32_t id) {
+            for (std::size_t c = 0; c < C; ++c) radiosity_[id * C + c] = exitance(id, c);
+        });
+        pull_instance(i);
+    }
+}
+
+template <int C>
 void LightField<C>::set_links(const std::vector<Link>& links) {
     bins_.reset();
     scalar_first_.assign(nodes_.size() + 1, 0);
@@ -274,8 +284,10 @@ double LightField<C>::sweep() {
         for_each_leaf(i, [&](std::uint32_t id) {
             area[i] += nodes_[id].area;
             for (std::size_t c = 0; c < C; ++c) {
-                if (!row_scale_.empty()) irradiance_[id * C + c] *= row_scale_[id];
-                const float next = exitance(id, c) + reflectance(id, c) * irradiance_[id * C + c];
+                float& e = irradiance_[id * C + c];
+                if (!row_scale_.empty()) e *= row_scale_[id];
+                if (e < std::numeric_limits<float>::min()) e = 0;  // denormals are noise, and slow
+                const float next = exitance(id, c) + reflectance(id, c) * e;
                 const double d = double(next) - double(radiosity_[id * C + c]);
                 change[i] += nodes_[id].area * d * d;
                 radiosity_[id * C + c] = next;

@@ -17,6 +17,9 @@ class LightField {
     /// New elements start with their parent's light.
     void grow();
 
+    /// Back to emitted light alone.
+    void extinguish();
+
     /// Prepares the sweeps over these links.
     void set_links(const std::vector<Link>& links);
 

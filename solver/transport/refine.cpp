@@ -94,10 +94,10 @@ class Refiner {
 
 }  // namespace
 
-LinkSet::LinkSet(const Nodes& nodes) {
+LinkSet::LinkSet(const Nodes& nodes, bool within_instances) {
     const auto count = static_cast<std::uint32_t>(nodes.scene().instances.size());
     for (std::uint32_t i = 0; i < count; ++i)
-        for (std::uint32_t j = i; j < count; ++j) pending.push_back({nodes.root(i), nodes.root(j)});
+        for (std::uint32_t j = within_instances ? i : i + 1; j < count; ++j) pending.push_back({nodes.root(i), nodes.root(j)});
 }
 
 void refine(LinkSet& set, Nodes& nodes, Guide& guide, const LinkBuilder& builder) {

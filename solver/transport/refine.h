@@ -16,8 +16,8 @@ struct LinkSet {
     std::vector<Pair> pending;
     std::uint64_t rays = 0;  // so far
 
-    /// All pairs of instances, and every instance with itself.
-    explicit LinkSet(const Nodes& nodes);
+    /// All pairs of instances and, where asked, every instance with itself.
+    LinkSet(const Nodes& nodes, bool within_instances);
 };
 
 /// Judges pending pairs and links whose error has outgrown their share; splits until all fit. Subdivides faces and

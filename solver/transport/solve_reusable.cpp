@@ -94,7 +94,7 @@ void store(const Scene& scene, const Nodes& nodes, const LightField<C>& field, S
 }
 
 template <int C>
-Result<Solution> solve(const Scene& scene, const TransportOptions& options, const Progress& progress) {
+Result<Solution> solve(const Scene& scene, const Plan& plan, const TransportOptions& options, const Progress& progress) {
     Solution solution;
     solution.accuracy = options.accuracy;
     const auto tell = [&](std::string_view phase, double done) {
@@ -107,8 +107,9 @@ Result<Solution> solve(const Scene& scene, const TransportOptions& options, cons
     const SceneRays rays(scene);
     const LinkBuilder builder(nodes, areas, rays, options);
     LightField<C> field(nodes, areas);
-    LinkSet set(nodes);
-    const bool closed = is_closed(scene);
+    LinkSet set(nodes, plan.on("self"));
+    const bool bounces = plan.on("interreflection");
+    const bool closed = plan.on("self") && is_closed(scene);
     Guide guide;
     guide.tolerance = kLinkShare * options.accuracy;
     solution.seconds.links += seconds_since(start);
@@ -143,7 +144,10 @@ Result<Solution> solve(const Scene& scene, const TransportOptions& options, cons
         tell("iterate", double(round) / kMostRounds);
         start = Clock::now();
         const bool changed = nodes.size() != before || set.links.size() != links_before || set.rays != rays_before;
-        residual = iterate(field, options.accuracy / 10, largest_reflectance, round < kDirectRounds ? 2 : kMostSweeps);
+        if (!bounces) field.extinguish();
+        const int most = !bounces ? 1 : round < kDirectRounds ? 2 : kMostSweeps;
+        residual = iterate(field, options.accuracy / 10, largest_reflectance, most);
+        if (!bounces) residual.relative = 0;  // one sweep is all there is
         solution.iterations += residual.sweeps;
         solution.seconds.iterate += seconds_since(start);
 
@@ -172,7 +176,9 @@ Result<Solution> solve(const Scene& scene, const TransportOptions& options, cons
 
 Result<Solution> solve_reusable(const Scene& scene, const Plan& plan, const TransportOptions& options,
                                 const Progress& progress) {
-    return plan.channels == 1 ? solve<1>(scene, options, progress) : solve<3>(scene, options, progress);
+    TransportOptions asked = options;
+    if (!plan.on("occlusion")) asked.visibility = TransportOptions::Visibility::None;
+    return plan.channels == 1 ? solve<1>(scene, plan, asked, progress) : solve<3>(scene, plan, asked, progress);
 }
 
 }  // namespace rro
