@@ -13,6 +13,9 @@ namespace {
 // keeps true sources further away, mean positions of several sources may not.
 constexpr double kNearestTranslation = 1.0 / 3;
 
+// Largest ratio of a counted area to the exact one that is taken for noise of the count.
+constexpr double kMostShare = 1.25;
+
 constexpr std::size_t kLanes = 8;  // partial sums per loop: one AVX register of floats
 
 }  // namespace
@@ -73,7 +76,8 @@ double EndAreas::visible_share(const Node& node, const Vec3& w, EndMode mode) co
     const std::size_t d = grid.size();
     if (mode == EndMode::Outside && cluster.right_child == 0)
         return grid.interpolate(data.visibility.subspan(cluster.first_patch * d, d), local) / 255.0;
-    if (row == kNoNode) return 1;
+    // Faces that look one way hardly hide one another, less than small clusters' areas are uncertain by.
+    if (row == kNoNode || (mode == EndMode::Inside && node.kind == NodeKind::Flat)) return 1;
     const bool outside = mode == EndMode::Outside;
     const auto table = (outside ? data.whole_area : data.intrinsic_area).subspan(row * d, d);
     const float scale = (outside ? data.whole_area_scale : data.intrinsic_area_scale)[row];
@@ -88,7 +92,8 @@ double EndAreas::visible_share(const Node& node, const Vec3& w, EndMode mode) co
             sum += static_cast<double>(tables.cosine_area[(cluster.first_patch + p) * tables.stride + taps.node[t]]);
         plain += static_cast<double>(taps.weight[t]) * sum;
     }
-    return plain > 0 ? std::min(1.0, area / plain) : 0.0;
+    // Slightly above 1 where few pixels were counted: cut off there, the mean would come out too low.
+    return plain > 0 ? std::min(kMostShare, area / plain) : 0.0;
 }
 
 template <int C>

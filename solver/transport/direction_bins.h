@@ -36,7 +36,7 @@ class EndAreas {
     const ObjectTables& tables(std::uint32_t instance) const { return *of_instance_[instance]; }
 
     /// Share of a node's projected area towards w that is seen: 1 for surfaces; by patch visibility or whole-object area outside; by intrinsic
-    /// area inside. In [0, 1].
+    /// area of Bins nodes inside. In [0, 1] but for noise.
     double visible_share(const Node& node, const Vec3& w, EndMode mode) const;
 
     /// Does the archive hold what an Outside end at this node needs?

@@ -255,7 +255,7 @@ void LightField<C>::transport() {
 
 template <int C>
 double LightField<C>::close_rows() {
-    constexpr float kMost = 2;  // beyond that a leaf is hidden, not badly sampled
+    constexpr float kMost = 1.25f;  // beyond that a leaf is hidden or dark, not badly sampled
     const std::vector<float> kept = radiosity_;
     std::fill(radiosity_.begin(), radiosity_.end(), 1.0f);
     row_scale_.clear();
@@ -265,8 +265,8 @@ double LightField<C>::close_rows() {
     for (std::uint32_t i = 0; i < nodes_.scene().instances.size(); ++i)
         for_each_leaf(i, [&](std::uint32_t id) {
             const float row = irradiance_[id * C];
-            if (row < 1 / kMost) return;
-            row_scale_[id] = std::max(1 / row, 1 / kMost);
+            if (row < 1 / kMost || row > kMost) return;
+            row_scale_[id] = 1 / row;
             sum += nodes_[id].area * double(row - 1) * double(row - 1);
             total += nodes_[id].area;
         });
@@ -356,31 +356,15 @@ std::uint64_t LightField<C>::bytes() const {
     return scalar_.size() * sizeof(ScalarLink) + directed_.size() * sizeof(DirectedLink) + bins_.bytes();
 }
 
-bool is_closed(const Scene& scene) {
-    const auto no_black_backs = [](const ObjectData& data) {
-        // With two_sided=auto only closed, consistently wound components are one-sided.
-        return data.meta.closed || data.faces.size() == 2 * data.triangles.size() ||
-               data.meta.options.find("two_sided=auto") != std::string::npos;
-    };
-    int shells = 0;
-    for (const Instance& instance : scene.instances) {
-        const ObjectData& data = instance.data();
-        if (!no_black_backs(data)) return false;
-        if (!data.meta.closed) continue;
-        double volume = 0;  // three times the signed volume; negative where fronts look inwards
-        const Vec3 origin = instance.bounds.centre();
-        for (const Face face : data.faces) {
-            const TriangleCorners c = instance.world_corners(face);
-            volume += dot(c[0] - origin, area_vector(c));
-        }
-        if (volume >= 0) continue;
-        const bool holds_all = std::all_of(scene.instances.begin(), scene.instances.end(), [&](const Instance& other) {
-            return instance.bounds.contains(other.bounds.lo) && instance.bounds.contains(other.bounds.hi);
-        });
-        if (!holds_all) return false;
-        ++shells;
+bool is_closed_shell(const Scene& scene) {
+    if (scene.instances.size() != 1 || !scene.instances[0].data().meta.closed) return false;
+    const Instance& instance = scene.instances[0];
+    double volume = 0;  // three times the signed volume; negative where fronts look inwards
+    for (const Face face : instance.data().faces) {
+        const TriangleCorners c = instance.world_corners(face);
+        volume += dot(c[0] - instance.bounds.centre(), area_vector(c));
     }
-    return shells == 1;
+    return volume < 0;
 }
 
 template class LightField<1>;

@@ -23,8 +23,9 @@ class LightField {
     /// Prepares the sweeps over these links.
     void set_links(const std::vector<Link>& links);
 
-    /// For a closed scene (is_closed below): what every leaf receives under unit radiosity all around must be 1. Scales
-    /// each leaf's irradiance so from now on, by at most a factor of two. Call after set_links.
+    /// For a closed shell (is_closed_shell below): what every leaf receives under unit radiosity all around must be 1. Scales
+    /// each leaf's irradiance so from now on, unless it is further off than a quarter: then parts of it are hidden in
+    /// other parts, or so dark that refinement has left out what lights them. Call after set_links.
     /// returns  area-weighted root mean square of the defect before
     double close_rows();
 
@@ -77,8 +78,8 @@ class LightField {
     std::vector<DirectedLink> directed_;
 };
 
-/// Proven closed: one closed shell that faces inwards holds everything, and no black back can be seen, because every
-/// object is closed or its open parts are two-sided. Light then leaves nowhere.
-bool is_closed(const Scene& scene);
+/// One closed shell that faces inwards and nothing else: light leaves nowhere. (With other objects inside, refinement
+/// follows the light so unevenly that rows under unit radiosity say little about the error under the real one.)
+bool is_closed_shell(const Scene& scene);
 
 }  // namespace rro

@@ -41,6 +41,9 @@ constexpr double kSmallestPart = 0.03;
 // A pair whose light could at most be this part of a link's tolerance is taken as it is.
 constexpr double kNegligible = 0.25;
 
+// Light within a node is left out, not approximated, so it must be this much smaller than a link's tolerance.
+constexpr double kDarkSelf = 0.05;
+
 // Owen-scrambled points halve the deviation of independent ones at these counts (measured for penumbrae).
 constexpr double kSobolGain = 0.6;
 
@@ -143,7 +146,7 @@ bool LinkBuilder::splits_self(std::uint32_t id, const Guide& guide) const {
     // (1 - cos 2c) / 2 of one another's hemisphere.
     const double c = double(n.cone_cosine);
     const double most = c > 0 ? 1 - c * c : 1.0;
-    return reflected(guide, nodes_, id, id, most * n.area) > link_tolerance(guide, n);
+    return reflected(guide, nodes_, id, id, most * n.area) > kDarkSelf * link_tolerance(guide, n);
 }
 
 bool LinkBuilder::exact_tables(const Node& n) const {

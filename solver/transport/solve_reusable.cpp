@@ -18,7 +18,7 @@ constexpr int kMostSweeps = 1000;
 // Light of the first rounds only steers refinement: direct light, one bounce, then converged.
 constexpr int kDirectRounds = 1;
 // The share of the total error that one link may bring; some tens of links of this size meet at a face.
-constexpr double kLinkShare = 1.5;
+constexpr double kLinkShare = 1.0;
 
 struct Residual {
     int sweeps = 0;
@@ -109,7 +109,7 @@ Result<Solution> solve(const Scene& scene, const Plan& plan, const TransportOpti
     LightField<C> field(nodes, areas);
     LinkSet set(nodes, plan.on("self"));
     const bool bounces = plan.on("interreflection");
-    const bool closed = plan.on("self") && is_closed(scene);
+    const bool closed = plan.on("self") && is_closed_shell(scene);
     Guide guide;
     guide.tolerance = kLinkShare * options.accuracy;
     solution.seconds.links += seconds_since(start);
