@@ -1,0 +1,96 @@
+#!/usr/bin/env bash
+# Both programs as a user runs them: compile, solve, move an object, and answer bad input with exit code 3, one clear
+# error and no output file.
+#
+#   programs.sh RRO_COMPILE RRO_SOLVE SOURCE_DIR
+set -euo pipefail
+
+compile=$1 solve=$2 source=$3
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cd "$work"
+mkdir library
+
+fail() { echo "programs.sh: $*" >&2; exit 1; }
+
+# refused WHAT PATTERN COMMAND...: exit code 3, a line that matches, no file named `output`.
+refused() {
+    local what=$1 pattern=$2 status=0
+    shift 2
+    "$@" > stdout.txt 2> stderr.txt || status=$?
+    [ "$status" -eq 3 ] || fail "$what: exit code $status, expected 3: $(cat stderr.txt)"
+    grep -qE "$pattern" stderr.txt || fail "$what: expected /$pattern/ in: $(cat stderr.txt)"
+    ! compgen -G 'output*' > /dev/null || fail "$what: left a file behind"
+}
+
+cat > box.obj <<'END'
+v 0 0 0
+v 1 0 0
+v 1 1 0
+v 0 1 0
+v 0 0 1
+v 1 0 1
+v 1 1 1
+v 0 1 1
+f 4 3 2 1
+f 5 6 7 8
+f 1 2 6 5
+f 2 3 7 6
+f 3 4 8 7
+f 4 1 5 8
+END
+"$compile" build box.obj --out library/box.rro --quiet
+"$compile" verify library/box.rro > /dev/null
+"$compile" build "$source/samples/meshes/cornell_lamp.obj" --two-sided no --out library/lamp.rro --quiet
+
+scene() { # scene X: a box at height X, lit by a lamp from above
+    cat <<END
+{ "format": "rro-scene/1", "accuracy": 0.1, "instances": [
+  { "name": "box", "archive": "library/box.rro", "transform": { "translate": [0, $1, 0], "scale": 0.2 } },
+  { "name": "lamp", "archive": "library/lamp.rro", "materials": { "*": { "exitance": [10, 10, 10] } } } ] }
+END
+}
+
+# Moving an object touches no archive and changes the light.
+scene 0 > scene.json
+before=$(stat -c '%n %Y' library/*; sha256sum library/*)
+"$solve" run scene.json --radiosity low.csv --out low.glb --picture low.png --size 64x48 --report low.json --quiet
+scene 0.2 > scene.json
+"$solve" run scene.json --radiosity high.csv --quiet
+[ "$before" = "$(stat -c '%n %Y' library/*; sha256sum library/*)" ] || fail "a solve touched an archive"
+! cmp -s low.csv high.csv || fail "moving the box changed nothing"
+[ "$(wc -l < low.csv)" -eq $((1 + 12 + $("$compile" inspect library/lamp.rro | sed -n 's/^mesh *\([0-9]*\) .*/\1/p'))) ] ||
+    fail "the CSV must have a row for every triangle"
+for file in low.glb low.png low.json; do [ -s "$file" ] || fail "$file is empty"; done
+head -c 4 low.glb | grep -q glTF || fail "low.glb is no glTF"
+
+# The same bits for any number of threads.
+"$solve" run scene.json --radiosity one.csv --threads 1 --quiet
+cmp high.csv one.csv || fail "--threads changed the result"
+"$compile" build box.obj --out again.rro --threads 1 --quiet
+cmp again.rro library/box.rro || fail "--threads changed an archive"
+
+# Bad input.
+: > empty.obj
+printf 'v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' > nan.obj
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n' > index.obj
+refused "missing mesh" "none.obj" "$compile" build none.obj --out output.rro
+refused "empty mesh" "empty.obj" "$compile" build empty.obj --out output.rro
+refused "NaN vertices" "nan.obj" "$compile" build nan.obj --out output.rro
+refused "an index out of range" "index.obj:4" "$compile" build index.obj --out output.rro
+refused "not an archive" "box.obj" "$compile" verify box.obj
+
+sed 's/"accuracy"/"acuracy"/' scene.json > bad.json
+refused "unknown key" "bad.json.*acuracy|acuracy" "$solve" run bad.json --radiosity output.csv
+sed 's/"accuracy": 0.1/"accuracy": "high"/' scene.json > bad.json
+refused "wrong type" "bad.json: /accuracy" "$solve" run bad.json --radiosity output.csv
+sed 's/"scale": 0.2/"scale": 0/' scene.json > bad.json
+refused "singular transform" "/instances/0/transform" "$solve" run bad.json --radiosity output.csv
+sed 's/"\*"/"brass"/' scene.json > bad.json
+refused "unknown material" "brass" "$solve" run bad.json --radiosity output.csv
+sed 's/lamp.rro/none.rro/' scene.json > bad.json
+refused "missing archive" "none.rro" "$solve" run bad.json --radiosity output.csv
+head -c 1000 library/lamp.rro > library/cut.rro
+sed 's/lamp.rro/cut.rro/' scene.json > bad.json
+refused "truncated archive" "cut.rro" "$solve" run bad.json --radiosity output.csv
+echo "all of programs.sh passed"
