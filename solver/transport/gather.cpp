@@ -255,7 +255,7 @@ void LightField<C>::transport() {
 
 template <int C>
 double LightField<C>::close_rows() {
-    constexpr float kMost = 1.25f;  // beyond that a leaf is hidden or dark, not badly sampled
+    constexpr float kMost = 2;  // beyond that a leaf is hidden in another part of the shell, not badly sampled
     const std::vector<float> kept = radiosity_;
     std::fill(radiosity_.begin(), radiosity_.end(), 1.0f);
     row_scale_.clear();

@@ -24,8 +24,8 @@ class LightField {
     void set_links(const std::vector<Link>& links);
 
     /// For a closed shell (is_closed_shell below): what every leaf receives under unit radiosity all around must be 1. Scales
-    /// each leaf's irradiance so from now on, unless it is further off than a quarter: then parts of it are hidden in
-    /// other parts, or so dark that refinement has left out what lights them. Call after set_links.
+    /// each leaf's irradiance so from now on, unless it is further off than a factor of two: then it
+    /// is hidden in other parts. Call after set_links.
     /// returns  area-weighted root mean square of the defect before
     double close_rows();
 
