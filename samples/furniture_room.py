@@ -103,7 +103,7 @@ def manifest(target):
         "format": "rro-scene/1",
         "instances": instances,
         "camera": {"position": [0.3, 1.72, 4.3], "target": [3.2, 0.86, 1.5], "up": [0, 1, 0], "vertical_fov": 49},
-        "accuracy": 0.05,
+        "accuracy": 0.1,
     }
     (target / "scene.json").write_text(json.dumps(scene, indent=2) + "\n")
 
