@@ -5,6 +5,7 @@
 #include <numeric>
 #include <utility>
 
+#include "compiler/morton_order.h"
 #include "format/parallel.h"
 
 namespace rro {
@@ -43,37 +44,6 @@ ClusterSummary joined(ClusterSummary a, const ClusterSummary& b) {
     a.area += b.area;
     a.reflectance_area += b.reflectance_area;
     return a;
-}
-
-/// The lowest 21 bits of x, two zero bits after each.
-std::uint64_t spread_bits(std::uint64_t x) {
-    x &= 0x1fffff;
-    x = (x | x << 32) & 0x1f00000000ffffull;
-    x = (x | x << 16) & 0x1f0000ff0000ffull;
-    x = (x | x << 8) & 0x100f00f00f00f00full;
-    x = (x | x << 4) & 0x10c30c30c30c30c3ull;
-    x = (x | x << 2) & 0x1249249249249249ull;
-    return x;
-}
-
-/// Patch numbers along the Morton curve through the centres of their boxes; ties to the lower number.
-std::vector<std::uint32_t> morton_order(std::span<const ClusterSummary> patches) {
-    Box3 centres;
-    for (const ClusterSummary& p : patches) centres.add(p.box.centre());
-    const double extent = max_component(centres.extent());
-    const double scale = extent > 0 ? ((1 << 21) - 1) / extent : 0;  // cubic cells: all axes count alike
-    std::vector<std::pair<std::uint64_t, std::uint32_t>> keys;
-    keys.reserve(patches.size());
-    for (std::uint32_t i = 0; i < patches.size(); ++i) {
-        const Vec3 at = (patches[i].box.centre() - centres.lo) * scale;
-        const auto bits = [](double x) { return spread_bits(static_cast<std::uint64_t>(x)); };
-        keys.emplace_back(bits(at.x) | bits(at.y) << 1 | bits(at.z) << 2, i);
-    }
-    std::sort(keys.begin(), keys.end());
-    std::vector<std::uint32_t> order;
-    order.reserve(patches.size());
-    for (const auto& key : keys) order.push_back(key.second);
-    return order;
 }
 
 struct Choice {
@@ -149,7 +119,10 @@ ClusterTree build_cluster_tree(std::span<const ClusterSummary> patches, const Cl
     std::vector<Growing> all;
     all.reserve(2 * patches.size());
     for (const ClusterSummary& p : patches) all.push_back({p, kNone, kNone});
-    std::vector<std::uint32_t> list = morton_order(patches);
+    std::vector<Vec3> centres;
+    centres.reserve(patches.size());
+    for (const ClusterSummary& p : patches) centres.push_back(p.box.centre());
+    std::vector<std::uint32_t> list = morton_order(centres);
     while (list.size() > 1) {
         const std::vector<std::uint32_t> partner = choose_merges(all, list, weights);
         std::vector<std::uint32_t> next;

@@ -11,6 +11,7 @@
 #include "compiler/object_layout.h"
 #include "compiler/patches.h"
 #include "compiler/surface.h"
+#include "compiler/table_error.h"
 #include "format/rays/object_rays.h"
 #include "format/version.h"
 
@@ -67,6 +68,17 @@ void store_areas(EffectiveAreas areas, CompiledObject& object) {
     data.visibility = object.visibility;
 }
 
+void store_errors(TableErrors errors, CompiledObject& object) {
+    object.whole_area_error = std::move(errors.whole);
+    object.intrinsic_area_error = std::move(errors.intrinsic);
+    object.visibility_error = std::move(errors.visibility);
+    ObjectData& data = object.data;
+    data.error_directions = errors.directions;
+    data.whole_area_error = object.whole_area_error;
+    data.intrinsic_area_error = object.intrinsic_area_error;
+    data.visibility_error = object.visibility_error;
+}
+
 }  // namespace
 
 Result<CompiledObject> compile_object(const Mesh& mesh, const CompileOptions& options,
@@ -105,7 +117,10 @@ Result<CompiledObject> compile_object(const Mesh& mesh, const CompileOptions& op
     report("effective areas", 0.3);
     const ObjectRays rays(object.positions, object.triangles);
     store_areas(measure_effective_areas(object.data, rays), object);
-    report("effective areas", 1);
+
+    report("table errors", 0.85);
+    store_errors(measure_table_errors(object.data, rays), object);
+    report("table errors", 1);
     return object;
 }
 

@@ -36,6 +36,7 @@ struct CompiledObject {
     std::vector<std::uint32_t> area_clusters;
     std::vector<std::uint8_t> whole_area, intrinsic_area, visibility;
     std::vector<float> whole_area_scale, intrinsic_area_scale;
+    std::vector<float> whole_area_error, intrinsic_area_error, visibility_error;
     std::uint32_t dropped_by_rounding = 0;  // triangles without an area in single precision; they have no row
 
     CompiledObject() = default;

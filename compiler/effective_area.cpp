@@ -5,10 +5,9 @@
 #include <cmath>
 #include <numeric>
 
-#include "compiler/direction_images.h"
 #include "compiler/intrinsic_area.h"
+#include "compiler/seen_area.h"
 #include "compiler/visible_share.h"
-#include "format/parallel.h"
 
 namespace rro {
 namespace {
@@ -27,86 +26,16 @@ std::vector<std::uint32_t> largest_clusters(std::span<const Cluster> clusters) {
     return chosen;
 }
 
-/// sums[i] = sum of values before i. [n + 1]
-template <class Sum, class Value>
-std::vector<Sum> prefix_sums(std::span<const Value> values) {
-    std::vector<Sum> sums(values.size() + 1);
-    for (std::size_t i = 0; i < values.size(); ++i) sums[i + 1] = sums[i] + values[i];
-    return sums;
+std::vector<Vec3> node_directions(const DirectionGrid& grid) {
+    std::vector<Vec3> directions;
+    for (std::uint32_t node = 0; node < grid.size(); ++node) directions.push_back(grid.direction(node));
+    return directions;
 }
 
-/// Half-open range of faces.
-struct FaceRange {
-    std::uint32_t begin, end;
-};
-
-std::vector<FaceRange> patch_ranges(const ObjectData& object) {
-    std::vector<FaceRange> ranges;
-    for (const Patch& p : object.patches) ranges.push_back({p.first_face, p.first_face + p.face_count});
-    return ranges;
-}
-
-std::vector<FaceRange> cluster_ranges(const ObjectData& object, std::span<const std::uint32_t> clusters) {
-    std::vector<FaceRange> ranges;
-    for (const std::uint32_t c : clusters) {
-        const Cluster& cluster = object.clusters[c];
-        const Patch& last = object.patches[cluster.first_patch + cluster.patch_count - 1];
-        ranges.push_back({object.patches[cluster.first_patch].first_face, last.first_face + last.face_count});
-    }
-    return ranges;
-}
-
-void add_ranges(std::span<const std::uint32_t> per_face, std::span<const FaceRange> ranges, std::size_t directions,
-                std::size_t direction, std::vector<std::uint32_t>& out) {
-    const std::vector<std::uint32_t> sums = prefix_sums<std::uint32_t>(per_face);
-    for (std::size_t i = 0; i < ranges.size(); ++i)
-        out[i * directions + direction] = sums[ranges[i].end] - sums[ranges[i].begin];
-}
-
-/// Counts of patches, of clusters and of the whole, from one image per direction.
-struct WholeObjectCounts {
-    SampleCounts patches, clusters, whole;
-};
-
-WholeObjectCounts count_whole_object(const ObjectData& object, const ObjectRays& rays, const DirectionGrid& grid,
-                                     std::span<const FaceRange> patches, std::span<const FaceRange> clusters) {
-    const std::size_t directions = grid.size();
-    const std::vector<std::uint32_t> face_by_side = faces_by_side(object);
-    WholeObjectCounts counts{SampleCounts(patches.size() * directions), SampleCounts(clusters.size() * directions),
-                             SampleCounts(directions)};
-    parallel_for(directions, 1, [&](std::size_t d) {
-        const DirectionImage image =
-            fit_image(object.positions, grid.direction(static_cast<std::uint32_t>(d)), object.meta.image_resolution);
-        std::vector<std::uint32_t> seen(object.faces.size()), covered(object.faces.size());
-        count_seen(object, face_by_side, rays, image, seen);
-        count_covered(object, face_by_side, image, covered, {});
-        add_ranges(seen, patches, directions, d, counts.patches.seen);
-        add_ranges(covered, patches, directions, d, counts.patches.covered);
-        add_ranges(seen, clusters, directions, d, counts.clusters.seen);
-        add_ranges(covered, clusters, directions, d, counts.clusters.covered);
-        counts.whole.seen[d] = std::accumulate(seen.begin(), seen.end(), 0u);
-        counts.whole.covered[d] = std::accumulate(covered.begin(), covered.end(), 0u);
-    });
-    return counts;
-}
-
-/// Sum of A max(0, n . w) over the faces of each range. [ranges * D], m^2
-std::vector<double> cosine_sums(const ObjectData& object, const DirectionGrid& grid,
-                                std::span<const FaceRange> ranges) {
-    std::vector<Vec3> area_vectors;
-    area_vectors.reserve(object.faces.size());
-    for (const Face f : object.faces) area_vectors.push_back(area_vector(object.corners(f)));
-    std::vector<double> result(ranges.size() * grid.size());
-    parallel_for(grid.size(), 1, [&](std::size_t d) {
-        std::vector<double> projected;
-        projected.reserve(area_vectors.size());
-        for (const Vec3& a : area_vectors)
-            projected.push_back(std::max(0.0, dot(a, grid.direction(static_cast<std::uint32_t>(d)))));
-        const std::vector<double> sums = prefix_sums<double>(std::span<const double>(projected));
-        for (std::size_t i = 0; i < ranges.size(); ++i)
-            result[i * grid.size() + d] = std::max(0.0, sums[ranges[i].end] - sums[ranges[i].begin]);
-    });
-    return result;
+/// To a byte, in steps that leave the archive small.
+std::uint8_t visibility_byte(double share) {
+    constexpr double kSteps = 31;  // rounding by at most 0.016, a tenth of what interpolation errs by; halves the bytes
+    return static_cast<std::uint8_t>(std::lround(255 * std::round(kSteps * share) / kSteps));
 }
 
 /// Tables of D values each to 8 bits with the table's largest value as its scale.
@@ -132,18 +61,20 @@ EffectiveAreas measure_effective_areas(const ObjectData& object, const ObjectRay
     const DirectionGrid grid(object.meta.grid_map, object.meta.grid_size);
     EffectiveAreas areas;
     areas.clusters = largest_clusters(object.clusters);
+    const std::vector<Vec3> directions = node_directions(grid);
     const std::vector<FaceRange> ranges = cluster_ranges(object, areas.clusters);
-    const WholeObjectCounts counts = count_whole_object(object, rays, grid, patch_ranges(object), ranges);
+    const SeenCounts counts = count_seen_areas(object, rays, directions, ranges);
 
+    areas.visibility.reserve(counts.patches.seen.size());
     for (const float share : visible_shares(counts.patches, counts.whole, grid))
-        areas.visibility.push_back(static_cast<std::uint8_t>(std::lround(255 * share)));
-    const std::vector<double> cosine = cosine_sums(object, grid, ranges);
+        areas.visibility.push_back(visibility_byte(static_cast<double>(share)));
+    const std::vector<double> cosine = cosine_sums(object, directions, ranges);
     quantise(cosine, visible_shares(counts.clusters, counts.whole, grid), grid.size(), areas.whole, areas.whole_scale);
     if (object.meta.convex) {  // nothing hides anything
         areas.intrinsic = areas.whole;
         areas.intrinsic_scale = areas.whole_scale;
     } else {
-        const SampleCounts own = count_intrinsic(object, rays, grid, areas.clusters);
+        const SampleCounts own = count_intrinsic(object, rays, directions, areas.clusters);
         quantise(cosine, visible_shares(own, counts.whole, grid), grid.size(), areas.intrinsic, areas.intrinsic_scale);
     }
     return areas;

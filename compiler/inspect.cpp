@@ -67,6 +67,36 @@ nlohmann::ordered_json counts_of(const ObjectData& d) {
             {"directions", d.directions()}};
 }
 
+/// The stored error of one kind of table: of the whole object, and over the clusters that have tables.
+struct ErrorBars {
+    const char* name;
+    double object, median, largest;  // relative
+};
+
+std::vector<ErrorBars> error_bars(const ObjectData& d) {
+    std::vector<ErrorBars> bars;
+    const auto add = [&](const char* name, std::span<const float> errors) {
+        if (errors.empty()) return;
+        std::vector<double> sorted(errors.begin(), errors.end());
+        std::sort(sorted.begin(), sorted.end());
+        bars.push_back({name, static_cast<double>(errors[0]), sorted[sorted.size() / 2], sorted.back()});
+    };
+    add("whole area", d.whole_area_error);
+    add("intrinsic area", d.intrinsic_area_error);
+    add("patch visibility", d.visibility_error);
+    return bars;
+}
+
+nlohmann::ordered_json errors_of(const ObjectData& d) {
+    nlohmann::ordered_json errors{{"directions", d.error_directions}};
+    for (const ErrorBars& bar : error_bars(d)) {
+        std::string key = bar.name;
+        std::replace(key.begin(), key.end(), ' ', '_');
+        errors[key] = {{"object", bar.object}, {"median", bar.median}, {"largest", bar.largest}};
+    }
+    return errors;
+}
+
 nlohmann::ordered_json inspection(const Archive& archive, const std::string& name) {
     const ObjectData& d = archive.data();
     const ObjectMeta& m = d.meta;
@@ -85,7 +115,8 @@ nlohmann::ordered_json inspection(const Archive& archive, const std::string& nam
         {"area", m.area},
         {"closed", m.closed},
         {"convex", m.convex},
-        {"counts", counts_of(d)}};
+        {"counts", counts_of(d)},
+        {"table_errors", errors_of(d)}};
     out["materials"] = nlohmann::ordered_json::array();
     for (const Material& material : d.materials)
         out["materials"].push_back({{"name", material.name},
@@ -131,6 +162,10 @@ std::string inspection_text(const Archive& archive, const std::string& name) {
                 cluster_depth(d.clusters), d.volumes.size());
     out += line("tables     %u x %u %s directions, images of %u^2; areas of %zu clusters", m.grid_size, m.grid_size,
                 map_name(m.grid_map).c_str(), m.image_resolution, d.area_clusters.size());
+    for (const ErrorBars& bar : error_bars(d))
+        out += line("error      %-16s %6.2f %% of the object, %6.2f %% of the median cluster, %6.2f %% of the worst "
+                    "(%u directions off the grid)",
+                    bar.name, 100 * bar.object, 100 * bar.median, 100 * bar.largest, d.error_directions);
     for (const Material& material : d.materials)
         out += "material   " + material.name +
                line(": reflectance %.4g %.4g %.4g%s, exitance %.6g %.6g %.6g W/m^2", material.reflectance.x,

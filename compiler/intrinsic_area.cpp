@@ -125,42 +125,41 @@ class LineTracer {
 };
 
 /// The direction opposite to each, or kNone. Grids of even size are symmetric.
-std::vector<std::uint32_t> opposite_directions(const DirectionGrid& grid) {
+std::vector<std::uint32_t> opposite_directions(std::span<const Vec3> directions) {
     constexpr double kSame = 1e-18;  // squared distance of unit vectors; grids compute theirs to 1e-15
-    std::vector<std::uint32_t> result(grid.size(), kNone);
-    for (std::uint32_t a = 0; a < grid.size(); ++a)
-        for (std::uint32_t b = 0; b < grid.size(); ++b)
-            if (length2(grid.direction(a) + grid.direction(b)) < kSame) result[a] = b;
+    std::vector<std::uint32_t> result(directions.size(), kNone);
+    for (std::uint32_t a = 0; a < directions.size(); ++a)
+        for (std::uint32_t b = 0; b < directions.size(); ++b)
+            if (length2(directions[a] + directions[b]) < kSame) result[a] = b;
     return result;
 }
 
 }  // namespace
 
-SampleCounts count_intrinsic(const ObjectData& object, const ObjectRays& rays, const DirectionGrid& grid,
+SampleCounts count_intrinsic(const ObjectData& object, const ObjectRays& rays, std::span<const Vec3> directions,
                              std::span<const std::uint32_t> clusters) {
     const AreaTree tree = make_area_tree(object, clusters);
     const LineTracer tracer(object, rays, tree);
     // Half of the whole object's: the stored clusters are large, and every hit of a line costs.
     const std::uint32_t resolution = (object.meta.image_resolution + 1) / 2;
-    const std::vector<std::uint32_t> opposite_of = opposite_directions(grid);
-    const std::size_t directions = grid.size();
-    SampleCounts counts(clusters.size() * directions);
+    const std::vector<std::uint32_t> opposite_of = opposite_directions(directions);
+    SampleCounts counts(clusters.size() * directions.size());
 
     const auto store = [&](std::uint32_t direction, const ViewerCounts& viewer,
                            std::span<const std::uint32_t> covered) {
         std::vector<std::uint32_t> before(covered.size() + 1);
         for (std::size_t f = 0; f < covered.size(); ++f) before[f + 1] = before[f] + covered[f];
         for (std::size_t k = 0; k < clusters.size(); ++k) {
-            counts.seen[k * directions + direction] = viewer.seen[k];
-            counts.covered[k * directions + direction] = before[tree.end[k]] - before[tree.begin[k]];
+            counts.seen[k * directions.size() + direction] = viewer.seen[k];
+            counts.covered[k * directions.size() + direction] = before[tree.end[k]] - before[tree.begin[k]];
         }
     };
-    parallel_for(directions, 1, [&](std::size_t d) {
+    parallel_for(directions.size(), 1, [&](std::size_t d) {
         const auto direction = static_cast<std::uint32_t>(d);
         const std::uint32_t opposite = opposite_of[d];
         if (opposite < direction) return;  // done with its partner, on the same lines
         const bool both = opposite != kNone;
-        const DirectionImage image = fit_image(object.positions, grid.direction(direction), resolution);
+        const DirectionImage image = fit_image(object.positions, directions[d], resolution);
         ViewerCounts front(clusters.size()), behind(clusters.size());
         std::vector<std::uint32_t> covered_front(object.faces.size()), covered_behind(both ? object.faces.size() : 0);
         tracer.trace(image, front, both ? &behind : nullptr);

@@ -10,15 +10,16 @@
 
 namespace rro {
 
-/// Sample counts of K clusters over the grid's directions, from images of half meta.image_resolution: `seen` where the
+/// Sample counts of K clusters over D directions, from images of half meta.image_resolution: `seen` where the
 /// first of the cluster's own triangles along the line is a face of it, seen from its side. All clusters at once: along
 /// each line the nearest triangle decides for its cluster and all above; a farther one stops at the first that is
 /// decided.
 ///
+/// directions [D] unit; those with an opposite among them are cheaper
 /// clusters   [K] ascending; with a cluster all its ancestors
 /// returns    [K * D]
 /// source     design 3.4
-SampleCounts count_intrinsic(const ObjectData& object, const ObjectRays& rays, const DirectionGrid& grid,
+SampleCounts count_intrinsic(const ObjectData& object, const ObjectRays& rays, std::span<const Vec3> directions,
                              std::span<const std::uint32_t> clusters);
 
 }  // namespace rro

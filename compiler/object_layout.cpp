@@ -79,10 +79,9 @@ void bound_cluster(const FaceGeometry& geometry, std::uint32_t begin, std::uint3
     cluster.area = static_cast<float>(area);
     cluster.lo = to_float(box.lo);
     cluster.hi = to_float(box.hi);
-    cluster.centre = to_float(box.centre());
     double radius2 = 0;
     for (std::uint32_t f = begin; f < end; ++f)
-        for (const Vec3& p : geometry.corners[f]) radius2 = std::max(radius2, length2(p - to_double(cluster.centre)));
+        for (const Vec3& p : geometry.corners[f]) radius2 = std::max(radius2, length2(p - cluster.centre()));
     cluster.radius = rounded_up(std::sqrt(radius2));
     const bool cancelled = length(normal) <= kCancelled * area;
     cluster.normal = cancelled ? Vec3f{} : to_float(normalised(normal));

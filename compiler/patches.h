@@ -27,8 +27,8 @@ struct PatchGroups {
 };
 
 /// Grows patches over edges, nearest face first, from seeds along the rim of those before; then joins crumbs to a
-/// neighbour where the limits allow. O(F log F), deterministic. The limits hold exactly for the mean normal of the
-/// finished patch.
+/// neighbour, and dust to other dust nearby, where the limits allow. O(F log F), deterministic. The limits hold exactly
+/// for the mean normal of the finished patch.
 ///
 /// source   design 3.3; the paper starts from single triangles
 PatchGroups make_patches(const Surface& surface, const PatchLimits& limits);

@@ -1,7 +1,7 @@
 #include "format/archive_reader.h"
 
+#include <array>
 #include <cerrno>
-#include <map>
 #include <optional>
 #include <system_error>
 #include <utility>
@@ -11,9 +11,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "format/parallel.h"
 #include "format/section_codec.h"
+#include "format/section_tables.h"
 #include "format/sha256.h"
-#include "format/table_view.h"
 #include "format/verifier.h"
 
 namespace rro {
@@ -70,61 +71,12 @@ class FileMapping {
     std::span<const std::byte> bytes_;
 };
 
-void read_meta(const TableView& table, ObjectMeta& meta) {
-    using F = layout::MetaField;
-    meta.tool_version = table.text(F::tool_version);
-    meta.source_name = table.text(F::source_name);
-    meta.source_sha256 = table.text(F::source_sha256);
-    meta.options = table.text(F::options);
-    meta.grid_map = static_cast<GridMap>(table.value<std::uint8_t>(F::grid_map));
-    meta.grid_size = table.value(F::grid_size, layout::kDefaultGridSize);
-    meta.image_resolution = table.value<std::uint32_t>(F::image_resolution);
-    meta.source_triangles = table.value<std::uint32_t>(F::source_triangles);
-    meta.bounds.lo = table.value<Vec3>(F::bounds_lo);
-    meta.bounds.hi = table.value<Vec3>(F::bounds_hi);
-    meta.area = table.value<double>(F::area);
-    meta.closed = table.value<std::uint8_t>(F::closed) != 0;
-    meta.convex = table.value<std::uint8_t>(F::convex) != 0;
-}
-
-void read_materials(const TableView& table, std::vector<Material>& materials) {
-    using F = layout::MaterialField;
-    for (const TableView& entry : table.tables(layout::MaterialsField::materials)) {
-        Material& material = materials.emplace_back();
-        material.name = entry.text(F::name);
-        material.reflectance = entry.value<Vec3>(F::reflectance);
-        material.exitance = entry.value<Vec3>(F::exitance);
-        material.textured = entry.value<std::uint8_t>(F::textured) != 0;
-    }
-}
-
-/// Copies what is small, points to the rest.
-void read_section(std::string_view name, const TableView& table, ObjectData& object) {
-    if (name == "meta") read_meta(table, object.meta);
-    if (name == "materials") read_materials(table, object.materials);
-    if (name == "clusters") object.clusters = table.array<Cluster>(layout::ClustersField::clusters);
-    if (name == "patches") object.patches = table.array<Patch>(layout::PatchesField::patches);
-    if (name == "visibility") object.visibility = table.array<std::uint8_t>(layout::VisibilityField::visibility);
-    if (name == "mesh") {
-        using F = layout::MeshField;
-        object.origin = table.value<Vec3>(F::origin);
-        object.positions = table.array<Vec3f>(F::positions);
-        object.triangles = table.array<TriangleIndices>(F::triangles);
-        object.source_triangle = table.array<std::uint32_t>(F::source_triangle);
-        object.faces = table.array<Face>(F::faces);
-    }
-    if (name == "hbv") {
-        object.volumes = table.array<Volume>(layout::HbvField::volumes);
-        object.volume_triangles = table.array<std::uint32_t>(layout::HbvField::triangles);
-    }
-    if (name == "area") {
-        using F = layout::AreaField;
-        object.area_clusters = table.array<std::uint32_t>(F::clusters);
-        object.whole_area = table.array<std::uint8_t>(F::whole);
-        object.whole_area_scale = table.array<float>(F::whole_scale);
-        object.intrinsic_area = table.array<std::uint8_t>(F::intrinsic);
-        object.intrinsic_area_scale = table.array<float>(F::intrinsic_scale);
-    }
+/// The sections wanted and all that they refer to; meta is always among them.
+SectionSet with_needs(SectionSet wanted) {
+    wanted = wanted | Section::Meta;
+    for (std::uint32_t i = kSectionKinds; i-- > 0;)  // each needs only sections before it
+        if (wanted.has(static_cast<Section>(i))) wanted = wanted | layout::kSections[i].needs;
+    return wanted;
 }
 
 SectionInfo info_of(const SectionEntry& entry) {
@@ -148,17 +100,18 @@ struct Archive::Impl {
     std::span<const std::byte> bytes;  // of `mapping` or `own`
     Container container;
     std::vector<SectionInfo> sections;
-    std::map<std::string, Bytes> inflated;  // sections that are not used in place
+    std::array<Bytes, kSectionKinds> unpacked;  // sections that are not used in place
     ObjectData data;
     std::optional<DirectionGrid> grid;
 
     const SectionEntry* find(std::string_view section) const;
-    Result<Bytes> inflate(const SectionEntry& entry) const;
-    Result<std::span<const std::byte>> payload(const SectionEntry& entry);
-    Status load();
+    Result<Bytes> unpack(const SectionEntry& entry) const;
+    Result<std::span<const std::byte>> payload(Section section, const SectionEntry& entry);
+    Status load(SectionSet wanted);
+    Status load_section(Section section, const SectionEntry& entry);
 
-    static Result<Archive> finish(std::unique_ptr<Impl> impl) {
-        if (auto loaded = impl->load(); !loaded) return loaded.error();
+    static Result<Archive> finish(std::unique_ptr<Impl> impl, SectionSet wanted) {
+        if (auto loaded = impl->load(wanted); !loaded) return loaded.error();
         return Archive(std::move(impl));
     }
 };
@@ -170,7 +123,7 @@ const SectionEntry* Archive::Impl::find(std::string_view section) const {
 }
 
 /// The content of a section whose codec is not raw.
-Result<Bytes> Archive::Impl::inflate(const SectionEntry& entry) const {
+Result<Bytes> Archive::Impl::unpack(const SectionEntry& entry) const {
     const std::string where = name + ": section " + section_name(entry);
     if (entry.codec != Codec::Zlib)
         return bad_input(where + ": field codec",
@@ -179,33 +132,49 @@ Result<Bytes> Archive::Impl::inflate(const SectionEntry& entry) const {
     return decompress_zlib(bytes.subspan(entry.offset, entry.stored_bytes), entry.raw_bytes, where);
 }
 
-Result<std::span<const std::byte>> Archive::Impl::payload(const SectionEntry& entry) {
+Result<std::span<const std::byte>> Archive::Impl::payload(Section section, const SectionEntry& entry) {
     if (entry.codec == Codec::Raw) return bytes.subspan(entry.offset, entry.stored_bytes);
-    auto raw = inflate(entry);
+    auto raw = unpack(entry);
     if (!raw) return raw.error();
-    const Bytes& kept = inflated[section_name(entry)] = *std::move(raw);
+    Bytes& kept = unpacked[static_cast<std::size_t>(section)];
+    kept = *std::move(raw);
     return std::span<const std::byte>(kept);
 }
 
+/// Writes to the section's own part of `data` alone.
+Status Archive::Impl::load_section(Section section, const SectionEntry& entry) {
+    const layout::SectionSpec& spec = layout::spec_of(section);
+    const auto raw = payload(section, entry);
+    if (!raw) return raw.error();
+    if (auto checked = verify_table(*raw, spec.table, name + ": section " + std::string(spec.name)); !checked)
+        return checked;
+    read_section(TableView::root(*raw), section, data);
+    return Done{};
+}
+
 /// Verifies from the outside in; a view of a section is made only after its bytes have passed.
-Status Archive::Impl::load() {
+Status Archive::Impl::load(SectionSet wanted) {
     auto verified = verify_container(bytes, name);
     if (!verified) return verified.error();
     container = *std::move(verified);
     for (const SectionEntry& entry : container.entries) sections.push_back(info_of(entry));
 
-    for (const layout::SectionSpec& spec : layout::kSections) {
+    wanted = with_needs(wanted);
+    std::array<const SectionEntry*, kSectionKinds> entries{};
+    for (std::size_t i = 0; i < kSectionKinds; ++i) {
+        const layout::SectionSpec& spec = layout::kSections[i];
         const SectionEntry* entry = find(spec.name);
-        if (!entry && !spec.required) continue;
-        if (!entry)
+        if (!entry && spec.required)
             return bad_input(name + ": directory", "found no section " + std::string(spec.name) + ", expected one");
-        const auto raw = payload(*entry);
-        if (!raw) return raw.error();
-        if (auto checked = verify_table(*raw, spec.table, name + ": section " + std::string(spec.name)); !checked)
-            return checked;
-        read_section(spec.name, TableView::root(*raw), data);
+        if (wanted.has(static_cast<Section>(i))) entries[i] = entry;
     }
-    if (auto checked = verify_content(data, name); !checked) return checked;
+    std::vector<Status> loaded(kSectionKinds, Done{});
+    parallel_for(kSectionKinds, 1, [&](std::size_t i) {
+        if (entries[i]) loaded[i] = load_section(static_cast<Section>(i), *entries[i]);
+    });
+    for (Status& status : loaded)
+        if (!status) return std::move(status);
+    if (auto checked = verify_content(data, wanted, name); !checked) return checked;
     grid.emplace(data.meta.grid_map, data.meta.grid_size);
     return Done{};
 }
@@ -215,22 +184,22 @@ Archive::Archive(Archive&&) noexcept = default;
 Archive& Archive::operator=(Archive&&) noexcept = default;
 Archive::~Archive() = default;
 
-Result<Archive> Archive::open(const std::filesystem::path& path) {
+Result<Archive> Archive::open(const std::filesystem::path& path, SectionSet wanted) {
     auto mapping = FileMapping::open(path);
     if (!mapping) return mapping.error();
     auto impl = std::make_unique<Impl>();
     impl->name = path.string();
     impl->mapping = *std::move(mapping);
     impl->bytes = impl->mapping.bytes();
-    return Impl::finish(std::move(impl));
+    return Impl::finish(std::move(impl), wanted);
 }
 
-Result<Archive> Archive::from_bytes(std::vector<std::byte> bytes, const std::string& name) {
+Result<Archive> Archive::from_bytes(std::vector<std::byte> bytes, const std::string& name, SectionSet wanted) {
     auto impl = std::make_unique<Impl>();
     impl->name = name;
     impl->own = std::move(bytes);
     impl->bytes = impl->own;
-    return Impl::finish(std::move(impl));
+    return Impl::finish(std::move(impl), wanted);
 }
 
 const ObjectData& Archive::data() const { return impl_->data; }
@@ -245,7 +214,7 @@ Result<std::vector<std::byte>> Archive::section(const std::string& name) const {
     if (const SectionEntry* entry = impl_->find(name)) {
         const auto stored = impl_->bytes.subspan(entry->offset, entry->stored_bytes);
         if (entry->codec == Codec::Raw) return Bytes(stored.begin(), stored.end());
-        return impl_->inflate(*entry);
+        return impl_->unpack(*entry);
     }
     std::string names;
     for (const SectionInfo& info : impl_->sections) names += (names.empty() ? "" : ", ") + info.name;

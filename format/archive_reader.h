@@ -9,6 +9,7 @@
 
 #include "format/object_data.h"
 #include "format/result.h"
+#include "format/section.h"
 
 namespace rro {
 
@@ -24,14 +25,17 @@ struct SectionInfo {
 /// Immutable after opening; safe to share between threads.
 class Archive {
   public:
-    /// Maps and verifies a file. Nothing is read through a view before the verifier has passed.
+    /// Maps and verifies a file. The container is checked whole, with every checksum; of the sections, those that are
+    /// wanted (and those that they refer to) are unpacked, several at a time, and verified. Nothing is read through a
+    /// view before that. The others stay as they lie, and data() shows nothing of them.
     ///
     /// errors   BadInput: not there, not an archive, newer major version, truncated, or damaged: names section, field,
     ///          found and expected
-    static Result<Archive> open(const std::filesystem::path& path);
+    static Result<Archive> open(const std::filesystem::path& path, SectionSet wanted = SectionSet::all());
 
     /// The same from bytes at hand; `name` stands in error messages.
-    static Result<Archive> from_bytes(std::vector<std::byte> bytes, const std::string& name);
+    static Result<Archive> from_bytes(std::vector<std::byte> bytes, const std::string& name,
+                                      SectionSet wanted = SectionSet::all());
 
     Archive(Archive&&) noexcept;
     Archive& operator=(Archive&&) noexcept;
@@ -39,7 +43,7 @@ class Archive {
 
     const ObjectData& data() const;
     const DirectionGrid& grid() const;
-    const std::vector<SectionInfo>& sections() const;
+    const std::vector<SectionInfo>& sections() const;  // all in the file, in its order
     std::uint64_t file_bytes() const;
     std::uint16_t version_major() const;
     std::uint16_t version_minor() const;

@@ -1,7 +1,9 @@
 #include <cmath>
 #include <cstdio>
+#include <utility>
 #include <vector>
 
+#include "format/parallel.h"
 #include "format/verifier.h"
 
 namespace rro {
@@ -44,6 +46,24 @@ class ContentVerifier {
     Status hbv() const;
     Status area() const;
     Status visibility() const;
+    Status errors() const;
+    Status source() const;
+
+    Status section(Section section) const {
+        switch (section) {
+            case Section::Meta: return meta();
+            case Section::Mesh: return mesh();
+            case Section::Materials: return materials();
+            case Section::Patches: return patches();
+            case Section::Clusters: return clusters();
+            case Section::Area: return area();
+            case Section::Visibility: return visibility();
+            case Section::Errors: return errors();
+            case Section::Hbv: return hbv();
+            case Section::Source: return source();
+        }
+        return Done{};
+    }
 
   private:
     Error wrong(const char* section, const std::string& field, const std::string& found,
@@ -60,7 +80,9 @@ class ContentVerifier {
     Status cluster_numbers(std::size_t i) const;
     Status cluster_children(std::size_t i) const;
     Status volume_children(std::size_t i, std::size_t end) const;
+    Status depth_within_limit(const char* section, const char* array, std::size_t index, std::uint32_t depth) const;
     Status table(const char* values_name, std::size_t values, const char* scale_name, std::span<const float> scale) const;
+    Status error_bars(const char* field, std::span<const float> values) const;
 
     const ObjectData& o_;
     const std::string& name_;
@@ -88,17 +110,22 @@ Status ContentVerifier::mesh() const {
         for (const std::uint32_t corner : o_.triangles[t])
             if (corner >= vertices)
                 return wrong("mesh", "triangles", t, "", "vertex " + number(corner), "one below " + number(vertices));
+    return faces();
+}
+
+Status ContentVerifier::source() const {
+    const std::size_t triangles = o_.triangles.size();
     if (o_.source_triangle.size() != triangles)
-        return wrong("mesh", "source_triangle", number(o_.source_triangle.size()) + " numbers",
+        return wrong("source", "triangles", number(o_.source_triangle.size()) + " numbers",
                      number(triangles) + ", one per triangle");
     if (triangles > o_.meta.source_triangles)
-        return wrong("mesh", "triangles", number(triangles) + " triangles",
+        return wrong("source", "triangles", number(triangles) + " triangles",
                      "at most meta.source_triangles, " + number(o_.meta.source_triangles));
     for (std::size_t t = 0; t < triangles; ++t)
         if (o_.source_triangle[t] >= o_.meta.source_triangles)
-            return wrong("mesh", "source_triangle", t, "", number(o_.source_triangle[t]),
+            return wrong("source", "triangles", t, "", number(o_.source_triangle[t]),
                          "a number below meta.source_triangles, " + number(o_.meta.source_triangles));
-    return faces();
+    return Done{};
 }
 
 Status ContentVerifier::faces() const {
@@ -157,7 +184,6 @@ Status ContentVerifier::patches() const {
 Status ContentVerifier::cluster_numbers(std::size_t i) const {
     const Cluster& c = o_.clusters[i];
     if (!not_negative(c.area)) return wrong("clusters", "clusters", i, "area", number(c.area), "a finite number from 0");
-    if (!finite(c.centre)) return wrong("clusters", "clusters", i, "centre", triple(c.centre), "finite numbers");
     if (!not_negative(c.radius))
         return wrong("clusters", "clusters", i, "radius", number(c.radius), "a finite number from 0");
     if (!finite_box(c.lo, c.hi))
@@ -207,11 +233,21 @@ Status ContentVerifier::clusters() const {
     if (root.patch_count != o_.patches.size())
         return wrong("clusters", "clusters", 0, "patch_count", number(root.patch_count),
                      "all " + number(o_.patches.size()));
+    std::vector<std::uint32_t> depth(o_.clusters.size(), 1);  // parents come before their children
     for (std::size_t i = 0; i < o_.clusters.size(); ++i) {
         if (auto checked = cluster_numbers(i); !checked) return checked;
         if (auto checked = cluster_children(i); !checked) return checked;
+        if (auto checked = depth_within_limit("clusters", "clusters", i, depth[i]); !checked) return checked;
+        if (o_.clusters[i].right_child != 0) depth[i + 1] = depth[o_.clusters[i].right_child] = depth[i] + 1;
     }
     return Done{};
+}
+
+Status ContentVerifier::depth_within_limit(const char* section, const char* array, std::size_t index,
+                                           std::uint32_t depth) const {
+    if (depth <= layout::kMaxTreeDepth) return Done{};
+    return wrong(section, array, index, "", "a tree " + number(depth) + " levels deep",
+                 "at most " + number(layout::kMaxTreeDepth));
 }
 
 /// As for clusters, but a leaf may hold several triangles, so `end`, where the subtree ends, is carried along.
@@ -254,15 +290,18 @@ Status ContentVerifier::hbv() const {
     if (o_.volumes[0].count != triangles)
         return wrong("hbv", "volumes", 0, "count", number(o_.volumes[0].count), "all " + number(triangles));
 
+    std::vector<std::uint32_t> depth(o_.volumes.size(), 1);
     std::vector<std::size_t> ends{o_.volumes.size()};  // of the subtrees that are still to come
     for (std::size_t i = 0; i < o_.volumes.size(); ++i) {
         const Volume& v = o_.volumes[i];
         if (!finite_box(v.lo, v.hi))
             return wrong("hbv", "volumes", i, "hi", triple(v.hi), "finite numbers, none below lo, " + triple(v.lo));
+        if (auto checked = depth_within_limit("hbv", "volumes", i, depth[i]); !checked) return checked;
         const std::size_t end = ends.back();
         ends.pop_back();
         if (v.right_child == 0 && end == i + 1) continue;
         if (auto checked = volume_children(i, end); !checked) return checked;
+        depth[i + 1] = depth[v.right_child] = depth[i] + 1;
         ends.push_back(end);
         ends.push_back(v.right_child);
     }
@@ -304,15 +343,33 @@ Status ContentVerifier::visibility() const {
                  number(expected) + ", " + number(o_.directions()) + " per patch");
 }
 
+/// One number per stored cluster, or none at all.
+Status ContentVerifier::error_bars(const char* field, std::span<const float> values) const {
+    if (!values.empty() && values.size() != o_.area_clusters.size())
+        return wrong("errors", field, number(std::uint64_t{values.size()}) + " numbers",
+                     number(std::uint64_t{o_.area_clusters.size()}) + ", one per cluster with areas");
+    for (std::size_t k = 0; k < values.size(); ++k)
+        if (!not_negative(values[k]))
+            return wrong("errors", field, k, "", number(values[k]), "a finite number from 0");
+    return Done{};
+}
+
+Status ContentVerifier::errors() const {
+    if (auto checked = error_bars("whole", o_.whole_area_error); !checked) return checked;
+    if (auto checked = error_bars("intrinsic", o_.intrinsic_area_error); !checked) return checked;
+    return error_bars("visibility", o_.visibility_error);
+}
+
 }  // namespace
 
-Status verify_content(const ObjectData& object, const std::string& name) {
-    using Check = Status (ContentVerifier::*)() const;
+Status verify_content(const ObjectData& object, SectionSet present, const std::string& name) {
     const ContentVerifier verifier(object, name);
-    for (const Check check : {&ContentVerifier::meta, &ContentVerifier::mesh, &ContentVerifier::materials,
-                              &ContentVerifier::patches, &ContentVerifier::clusters, &ContentVerifier::hbv,
-                              &ContentVerifier::area, &ContentVerifier::visibility})
-        if (auto checked = (verifier.*check)(); !checked) return checked;
+    std::vector<Status> checked(kSectionKinds, Done{});
+    parallel_for(kSectionKinds, 1, [&](std::size_t i) {
+        if (present.has(static_cast<Section>(i))) checked[i] = verifier.section(static_cast<Section>(i));
+    });
+    for (Status& status : checked)
+        if (!status) return std::move(status);
     return Done{};
 }
 

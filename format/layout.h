@@ -11,21 +11,35 @@
 #include <type_traits>
 
 #include "format/object_data.h"
+#include "format/section.h"
 
 namespace rro::layout {
 
 static_assert(std::endian::native == std::endian::little, "archives are little-endian and read in place");
 
 inline constexpr std::array<char, 4> kMagic{'R', 'R', 'O', '\x1a'};
-inline constexpr std::uint16_t kVersionMajor = 0;
-inline constexpr std::uint16_t kVersionMinor = 1;
+inline constexpr std::uint16_t kVersionMajor = 1;
+inline constexpr std::uint16_t kVersionMinor = 0;
 
 /// Sections and the directory start at multiples of this: a cache line, and more than any type in them needs.
 inline constexpr std::uint64_t kSectionAlignment = 64;
 /// FlatBuffers offsets are 32 bits, signed where they point back to a vtable.
 inline constexpr std::uint64_t kMaxSectionBytes = 0x7fffffff;
-/// Bounds what a small file can make a reader compute: D = 16384 directions.
+
+// Limits on what a file can ask of its reader (FORMAT.md, "Limits").
+
+/// D = 16384 directions.
 inline constexpr std::uint32_t kMaxGridSize = 128;
+/// Far more than any version has; bounds the work on a directory.
+inline constexpr std::uint32_t kMaxSections = 256;
+/// Of clusters and volumes, so that whoever walks a tree may recurse.
+inline constexpr std::uint32_t kMaxTreeDepth = 256;
+
+/// Bytes that all packed sections of a file may unfold to: patch visibility, the densest, shrinks by 2 to 10, and small
+/// files of flat objects by more. Memory for reading is bounded by the file's size with this.
+constexpr std::uint64_t max_unpacked_bytes(std::uint64_t archive_bytes) {
+    return (std::uint64_t{64} << 20) + 16 * archive_bytes;
+}
 
 /// The first bytes of every archive. Offsets count from the start of the file.
 struct ArchiveHeader {
@@ -108,13 +122,12 @@ inline constexpr std::array kMeta{
 inline constexpr std::uint32_t kDefaultGridSize = 12;
 
 struct MeshField {
-    enum Number : std::uint16_t { origin, positions, triangles, source_triangle, faces };
+    enum Number : std::uint16_t { origin, positions, triangles, faces };
 };
 inline constexpr std::array kMesh{
     in_place<Vec3>("origin"),
     array_of<Vec3f>("positions"),
     array_of<TriangleIndices>("triangles"),
-    array_of<std::uint32_t>("source_triangle"),
     array_of<Face>("faces"),
 };
 
@@ -133,20 +146,15 @@ struct MaterialsField {
 };
 inline constexpr std::array kMaterials{FieldSpec{"materials", FieldKind::Tables, 4, 4, kMaterial}};
 
-struct HbvField {
-    enum Number : std::uint16_t { volumes, triangles };
+struct PatchesField {
+    enum Number : std::uint16_t { patches };
 };
-inline constexpr std::array kHbv{array_of<Volume>("volumes"), array_of<std::uint32_t>("triangles")};
+inline constexpr std::array kPatches{array_of<Patch>("patches")};
 
 struct ClustersField {
     enum Number : std::uint16_t { clusters };
 };
 inline constexpr std::array kClusters{array_of<Cluster>("clusters")};
-
-struct PatchesField {
-    enum Number : std::uint16_t { patches };
-};
-inline constexpr std::array kPatches{array_of<Patch>("patches")};
 
 struct AreaField {
     enum Number : std::uint16_t { clusters, whole, whole_scale, intrinsic, intrinsic_scale };
@@ -161,22 +169,49 @@ struct VisibilityField {
 };
 inline constexpr std::array kVisibility{array_of<std::uint8_t>("visibility")};
 
-/// A section this version knows. Those not required are written only where there is something in them.
+struct ErrorsField {
+    enum Number : std::uint16_t { directions, whole, intrinsic, visibility };
+};
+inline constexpr std::array kErrors{
+    in_place<std::uint32_t>("directions"),
+    array_of<float>("whole"),
+    array_of<float>("intrinsic"),
+    array_of<float>("visibility"),
+};
+
+struct HbvField {
+    enum Number : std::uint16_t { volumes, triangles };
+};
+inline constexpr std::array kHbv{array_of<Volume>("volumes"), array_of<std::uint32_t>("triangles")};
+
+struct SourceField {
+    enum Number : std::uint16_t { triangles };
+};
+inline constexpr std::array kSource{array_of<std::uint32_t>("triangles")};
+
+/// A section this version knows.
 struct SectionSpec {
     std::string_view name;
     std::span<const FieldSpec> table;
-    bool required;
+    Codec codec;       // the writer's choice; a reader takes either
+    bool required;     // others are written only where there is something in them
+    SectionSet needs;  // sections that its numbers refer to
 };
-inline constexpr std::array kSections{
-    SectionSpec{"meta", kMeta, true},
-    SectionSpec{"mesh", kMesh, true},
-    SectionSpec{"materials", kMaterials, true},
-    SectionSpec{"hbv", kHbv, false},
-    SectionSpec{"clusters", kClusters, true},
-    SectionSpec{"patches", kPatches, true},
-    SectionSpec{"area", kArea, false},
-    SectionSpec{"visibility", kVisibility, false},
-};
+
+/// Indexed by Section. Raw: what is large and used in place, or too small to matter. FORMAT.md has the measurements.
+inline constexpr std::array<SectionSpec, kSectionKinds> kSections{{
+    {"meta", kMeta, Codec::Raw, true, {}},
+    {"mesh", kMesh, Codec::Raw, true, {}},
+    {"materials", kMaterials, Codec::Raw, true, {}},
+    {"patches", kPatches, Codec::Zlib, true, Section::Mesh | Section::Materials},
+    {"clusters", kClusters, Codec::Zlib, true, Section::Patches},
+    {"area", kArea, Codec::Zlib, false, Section::Meta | Section::Clusters},
+    {"visibility", kVisibility, Codec::Zlib, false, Section::Meta | Section::Patches},
+    {"errors", kErrors, Codec::Raw, false, Section::Area},
+    {"hbv", kHbv, Codec::Zlib, false, Section::Mesh},
+    {"source", kSource, Codec::Zlib, true, Section::Meta | Section::Mesh},
+}};
+constexpr const SectionSpec& spec_of(Section section) { return kSections[static_cast<std::size_t>(section)]; }
 
 // What FlatBuffers requires of the records that arrays hold: natural alignment and no hidden padding.
 static_assert(sizeof(Vec3) == 24 && alignof(Vec3) == 8);
@@ -184,10 +219,10 @@ static_assert(sizeof(Vec3f) == 12 && alignof(Vec3f) == 4);
 static_assert(sizeof(TriangleIndices) == 12 && alignof(TriangleIndices) == 4);
 static_assert(sizeof(Face) == 4 && std::is_trivially_copyable_v<Face>);
 static_assert(sizeof(Patch) == 56 && alignof(Patch) == 4 && std::is_trivially_copyable_v<Patch>);
-static_assert(sizeof(Cluster) == 72 && alignof(Cluster) == 4 && std::is_trivially_copyable_v<Cluster>);
+static_assert(sizeof(Cluster) == 60 && alignof(Cluster) == 4 && std::is_trivially_copyable_v<Cluster>);
 static_assert(sizeof(Volume) == 36 && alignof(Volume) == 4 && std::is_trivially_copyable_v<Volume>);
 static_assert(offsetof(Patch, reflectance) == 16 && offsetof(Patch, cone_cosine) == 52);
-static_assert(offsetof(Cluster, centre) == 16 && offsetof(Cluster, lo) == 32 && offsetof(Cluster, cone_cosine) == 68);
+static_assert(offsetof(Cluster, radius) == 16 && offsetof(Cluster, lo) == 20 && offsetof(Cluster, cone_cosine) == 56);
 static_assert(offsetof(Volume, first) == 24);
 
 }  // namespace rro::layout

@@ -55,13 +55,14 @@ struct Cluster {
     std::uint32_t patch_count;
     std::uint32_t right_child;  // 0 for a leaf, which is exactly one patch
     float area;                 // m^2, sum over faces
-    Vec3f centre;               // of the bounding box
-    float radius;               // about centre, over all corners
+    float radius;               // about the box's centre, over all corners
     Vec3f lo, hi;               // bounding box
     Vec3f normal;               // unit mean of the area vectors, or 0 where they cancel
     float cone_cosine;          // smallest dot(normal, face normal); -1 where normal is 0
+
+    Vec3 centre() const { return 0.5 * (to_double(lo) + to_double(hi)); }
 };
-static_assert(sizeof(Cluster) == 72);
+static_assert(sizeof(Cluster) == 60);
 
 /// On-disk record of an HBV volume (preorder: left child is the next record).
 struct Volume {
@@ -121,6 +122,13 @@ struct ObjectData {
 
     // Share of a patch's unoccluded projected area that is seen from outside: value = visibility / 255.
     std::span<const std::uint8_t> visibility;            // [P * D]
+
+    // How far the tables are off between their nodes: root mean square, over `error_directions` directions off the grid,
+    // of (interpolated - measured), divided by that of the measured value. Per cluster with areas.
+    std::uint32_t error_directions = 0;
+    std::span<const float> whole_area_error;             // [K]
+    std::span<const float> intrinsic_area_error;         // [K]
+    std::span<const float> visibility_error;             // [K] of the seen area of the cluster's patches, each for itself
 
     std::uint32_t directions() const { return meta.grid_size * meta.grid_size; }
     TriangleCorners corners(std::uint32_t triangle) const {

@@ -1,11 +1,13 @@
 #include "format/section_codec.h"
 
+#include <algorithm>
 #include <cassert>
 #include <new>
 
 #include <zlib.h>
 
 #include "format/layout.h"
+#include "format/parallel.h"
 
 namespace rro {
 namespace {
@@ -19,7 +21,15 @@ Bytef* zlib_output(std::vector<std::byte>& bytes) { return reinterpret_cast<Byte
 }  // namespace
 
 std::uint32_t crc32_of(std::span<const std::byte> bytes) {
-    return static_cast<std::uint32_t>(::crc32_z(0, zlib_input(bytes), bytes.size()));
+    constexpr std::size_t kChunk = std::size_t{1} << 19;  // 0.3 ms: long against the start of a task
+    std::vector<uLong> sums((bytes.size() + kChunk - 1) / kChunk);
+    parallel_chunks(bytes.size(), kChunk, [&](std::size_t begin, std::size_t end) {
+        sums[begin / kChunk] = ::crc32_z(0, zlib_input(bytes.subspan(begin)), end - begin);
+    });
+    uLong crc = 0;
+    for (std::size_t i = 0; i < sums.size(); ++i)
+        crc = ::crc32_combine(crc, sums[i], static_cast<z_off_t>(std::min(kChunk, bytes.size() - i * kChunk)));
+    return static_cast<std::uint32_t>(crc);
 }
 
 std::vector<std::byte> compress_zlib(std::span<const std::byte> raw) {

@@ -11,7 +11,7 @@
 
 namespace rro {
 
-/// CRC-32 as in zlib and PNG.
+/// CRC-32 as in zlib and PNG; long inputs on several threads.
 std::uint32_t crc32_of(std::span<const std::byte> bytes);
 
 /// A zlib stream (RFC 1950). At most 2 GiB - 1 bytes in (asserted).

@@ -4,7 +4,6 @@
 #include <cstring>
 #include <set>
 
-#include "format/parallel.h"
 #include "format/section_codec.h"
 
 namespace rro {
@@ -95,12 +94,30 @@ Status verify_entry(const SectionEntry& entry, std::uint64_t archive_bytes, cons
     return Done{};
 }
 
+/// What a reader will allocate for packed sections stays in proportion to the file.
+Status verify_unpacked_bytes(std::span<const SectionEntry> entries, std::uint64_t archive_bytes,
+                             const std::string& name) {
+    const std::uint64_t limit = layout::max_unpacked_bytes(archive_bytes);
+    std::uint64_t unpacked = 0;
+    for (const SectionEntry& entry : entries) {
+        if (entry.codec == layout::Codec::Raw) continue;
+        unpacked += entry.raw_bytes;
+        if (unpacked > limit)
+            return wrong(name + ": section " + section_name(entry), "raw_bytes",
+                         number(entry.raw_bytes) + ", " + number(unpacked) + " in all packed sections so far",
+                         "at most " + number(limit) + " in a file of " + number(archive_bytes) + " bytes");
+    }
+    return Done{};
+}
+
 Result<std::vector<SectionEntry>> verify_directory(std::span<const std::byte> bytes, const ArchiveHeader& header,
                                                    const std::string& name) {
     const std::string where = name + ": header";
     if (header.directory_offset % kSectionAlignment != 0 || header.directory_offset > bytes.size())
         return wrong(where, "directory_offset", number(header.directory_offset),
                      "a multiple of 64 within the file's " + number(bytes.size()) + " bytes");
+    if (header.section_count > layout::kMaxSections)
+        return wrong(where, "section_count", number(header.section_count), "at most " + number(layout::kMaxSections));
     const std::uint64_t room = (bytes.size() - header.directory_offset) / sizeof(SectionEntry);
     if (header.section_count > room)
         return wrong(where, "section_count", number(header.section_count), "at most " + number(room));
@@ -126,6 +143,7 @@ Result<std::vector<SectionEntry>> verify_directory(std::span<const std::byte> by
         extents.push_back({entries[i].offset, entries[i].offset + entries[i].stored_bytes, "section " + section});
     }
     if (auto checked = verify_extents(bytes, std::move(extents), name); !checked) return checked.error();
+    if (auto checked = verify_unpacked_bytes(entries, bytes.size(), name); !checked) return checked.error();
     return entries;
 }
 
@@ -141,14 +159,10 @@ Result<Container> verify_container(std::span<const std::byte> bytes, const std::
     auto entries = verify_directory(bytes, *header, name);
     if (!entries) return entries.error();
 
-    std::vector<std::uint32_t> sums(entries->size());
-    parallel_for(sums.size(), 1, [&](std::size_t i) {
-        sums[i] = crc32_of(bytes.subspan((*entries)[i].offset, (*entries)[i].stored_bytes));
-    });
-    for (std::size_t i = 0; i < sums.size(); ++i)
-        if (sums[i] != (*entries)[i].crc32)
-            return wrong(name + ": section " + section_name((*entries)[i]), "crc32", number((*entries)[i].crc32),
-                         number(sums[i]) + ", that of its bytes: the file is damaged");
+    for (const SectionEntry& entry : *entries)
+        if (const std::uint32_t crc = crc32_of(bytes.subspan(entry.offset, entry.stored_bytes)); crc != entry.crc32)
+            return wrong(name + ": section " + section_name(entry), "crc32", number(entry.crc32),
+                         number(crc) + ", that of its bytes: the file is damaged");
     return Container{header->version_major, header->version_minor, *std::move(entries)};
 }
 

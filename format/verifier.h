@@ -42,7 +42,8 @@ Status verify_table(std::span<const std::byte> buffer, std::span<const layout::F
 
 /// Checks that the parts of an object fit one another: sizes, indices, ranges, trees, finite numbers.
 ///
+/// present  the sections that have been read, with those they need; others are not looked at
 /// name     of the file, for messages
-Status verify_content(const ObjectData& object, const std::string& name);
+Status verify_content(const ObjectData& object, SectionSet present, const std::string& name);
 
 }  // namespace rro

@@ -5,6 +5,6 @@
 
 namespace rro {
 
-inline constexpr std::string_view kToolVersion = "0.1.0";
+inline constexpr std::string_view kToolVersion = "0.2.0";
 
 }  // namespace rro

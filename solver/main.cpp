@@ -103,10 +103,18 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-Result<Scene> load(const Arguments& a) {
+/// What a run uses of the archives.
+SectionSet sections_for(const Arguments& a, const Job& job) {
+    SectionSet wanted = kGeometry;
+    if (job.solve.method == Method::Reusable) wanted = wanted | kTables;
+    if (!a.radiosity.empty()) wanted = wanted | Section::Source;
+    return wanted;
+}
+
+Result<Scene> load(const Arguments& a, SectionSet wanted) {
     auto manifest = read_manifest(a.scene);
     if (!manifest) return manifest.error();
-    auto scene = open_scene(std::move(*manifest));
+    auto scene = open_scene(std::move(*manifest), wanted);
     if (scene) leave_out(a.overrides, *scene);
     return scene;
 }
@@ -175,7 +183,7 @@ int run(const Arguments& a) {
     if (!job) return report_error(kProgram, job.error());
     const std::array<std::filesystem::path, 4> outputs{a.out, a.picture, a.radiosity, a.report};
     if (auto writable = check_outputs(outputs, a.scene); !writable) return report_error(kProgram, writable.error());
-    const auto scene = load(a);
+    const auto scene = load(a, sections_for(a, *job));
     if (!scene) return report_error(kProgram, scene.error());
     const double load_seconds = seconds_since(begun);
     if (const std::uint64_t needed = estimated_memory(*scene); needed > job->memory)
@@ -203,7 +211,7 @@ int run(const Arguments& a) {
 }
 
 int explain(const Arguments& a) {
-    const auto scene = load(a);
+    const auto scene = load(a, kGeometry);
     if (!scene) return report_error(kProgram, scene.error());
     const auto plan = plan_effects(*scene, a.overrides);
     if (!plan) return report_error(kProgram, plan.error());

@@ -56,10 +56,23 @@ Result<ArchiveFiles> archive_files(const Manifest& manifest) {
     return files;
 }
 
+/// Tables are optional in an archive, but not for those who compute with them.
+Status check_tables(const Archive& archive, SectionSet wanted, const std::filesystem::path& path) {
+    const ObjectData& data = archive.data();
+    const auto missing = [&](const char* section) {
+        return bad_input(path.string(), "has no section " + std::string(section) + ", which --method reusable needs",
+                         "compile it with --tables default");
+    };
+    if (wanted.has(Section::Area) && (data.whole_area.empty() || data.intrinsic_area.empty())) return missing("area");
+    if (wanted.has(Section::Visibility) && data.visibility.empty()) return missing("visibility");
+    return Done{};
+}
+
 /// The archive with its ray structure and the lookups from triangles and faces.
-Result<std::unique_ptr<Object>> open_object(const std::filesystem::path& path) {
-    auto archive = Archive::open(path);
+Result<std::unique_ptr<Object>> open_object(const std::filesystem::path& path, SectionSet wanted) {
+    auto archive = Archive::open(path, wanted);
     if (!archive) return archive.error();
+    if (auto checked = check_tables(*archive, wanted, path); !checked) return checked.error();
     auto object = std::make_unique<Object>(Object{path, std::move(*archive), nullptr, {}, {}, {}});
     const ObjectData& data = object->data();
     object->rays = std::make_unique<ObjectRays>(data.positions, data.triangles);
@@ -76,9 +89,10 @@ Result<std::unique_ptr<Object>> open_object(const std::filesystem::path& path) {
 }
 
 /// Opens several at a time; of several errors the first in the manifest is given.
-Result<std::vector<std::unique_ptr<Object>>> open_objects(const Manifest& manifest, const ArchiveFiles& files) {
+Result<std::vector<std::unique_ptr<Object>>> open_objects(const Manifest& manifest, const ArchiveFiles& files,
+                                                          SectionSet wanted) {
     std::vector<std::optional<Result<std::unique_ptr<Object>>>> opened(files.paths.size());
-    parallel_for(opened.size(), 1, [&](std::size_t i) { opened[i].emplace(open_object(files.paths[i])); });
+    parallel_for(opened.size(), 1, [&](std::size_t i) { opened[i].emplace(open_object(files.paths[i], wanted)); });
     std::vector<std::unique_ptr<Object>> objects;
     for (std::size_t i = 0; i < opened.size(); ++i) {
         if (!*opened[i]) {
@@ -167,10 +181,10 @@ Result<Instance> place_instance(const Manifest& manifest, std::size_t number, co
 
 }  // namespace
 
-Result<Scene> open_scene(Manifest manifest) {
+Result<Scene> open_scene(Manifest manifest, SectionSet wanted) {
     auto files = archive_files(manifest);
     if (!files) return files.error();
-    auto objects = open_objects(manifest, *files);
+    auto objects = open_objects(manifest, *files, wanted);
     if (!objects) return objects.error();
     if (auto pinned = check_pins(manifest, *files, *objects); !pinned) return pinned.error();
 

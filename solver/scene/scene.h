@@ -61,8 +61,9 @@ struct Scene {
 
 /// Opens every archive once (several at a time), checks `content` pins, resolves materials, builds ray structures.
 ///
-/// errors   BadInput naming manifest, instance and archive: missing or refused archive, wrong content, a material the
-///          archive lacks (lists those there are)
-Result<Scene> open_scene(Manifest manifest);
+/// wanted   what will be used of the archives; the rest is not unpacked
+/// errors   BadInput naming manifest, instance and archive: missing or refused archive, one without the tables that are
+///          wanted, wrong content, a material the archive lacks (lists those there are)
+Result<Scene> open_scene(Manifest manifest, SectionSet wanted = kGeometry | kTables | Section::Source);
 
 }  // namespace rro

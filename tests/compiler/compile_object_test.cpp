@@ -249,7 +249,7 @@ TEST_CASE("clusters and patches are contiguous and bound what they hold", "[comp
         const Patch& last = data.patches[cluster.first_patch + cluster.patch_count - 1];
         for (std::uint32_t f = data.patches[cluster.first_patch].first_face; f < last.first_face + last.face_count; ++f)
             for (const Vec3& p : data.corners(data.faces[f])) {
-                CHECK(length(p - to_double(cluster.centre)) <= static_cast<double>(cluster.radius));
+                CHECK(length(p - cluster.centre()) <= static_cast<double>(cluster.radius));
                 CHECK(Box3{to_double(cluster.lo), to_double(cluster.hi)}.contains(p));
             }
         if (cluster.right_child == 0) faces_area += static_cast<double>(cluster.area);

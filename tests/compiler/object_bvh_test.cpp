@@ -34,7 +34,7 @@ void check_bvh(const ObjectBvh& bvh, std::span<const Vec3f> positions, std::span
         for (std::uint32_t k = volume.first; k < volume.first + volume.count; ++k)
             for (const std::uint32_t v : triangles[bvh.triangles[k]]) REQUIRE(box.contains(to_double(positions[v])));
         if (volume.right_child == 0) {
-            REQUIRE(volume.count <= 4);
+            REQUIRE(volume.count <= 8);
             continue;
         }
         const Volume &left = bvh.volumes[i + 1], &right = bvh.volumes[volume.right_child];

@@ -97,3 +97,29 @@ TEST_CASE("hundreds of blades on one edge are no trouble", "[compiler][patches]"
     CHECK(groups.faces.size() == 1000);
     CHECK(groups.size() == 1000);  // each is larger than a patch may be
 }
+
+TEST_CASE("dust near one another shares patches, within cone and place; larger pieces keep theirs",
+          "[compiler][patches]") {
+    // A box, and 600 loose triangles of a millionth of its area each, in two clouds that look up and sideways.
+    Mesh mesh = test::make_box(1, 1, 1, 6);
+    for (int i = 0; i < 600; ++i) {
+        const bool up = i % 2 == 0;
+        const Vec3 at{1.5 + (i % 20) * 0.002 + (up ? 0 : 2), 0.002 * (i / 20), 0.001 * (i % 7)};
+        const Vec3 edge{0.003, 0, 0}, other = up ? Vec3{0, 0, -0.003} : Vec3{0, 0.003, 0};
+        test::add_parallelogram(mesh, at, edge, other, 1, false);
+    }
+    const Surface surface = surface_of(mesh);
+    const PatchLimits limits{0.003, 0.8, 0.1};
+    const PatchGroups groups = make_patches(surface, limits);
+    std::size_t box_patches = 0, dust_patches = 0;
+    for (std::size_t p = 0; p < groups.size(); ++p) {
+        Box3 box;
+        for (const std::uint32_t f : groups.patch(p))
+            for (const Vec3& corner : surface.corners(surface.faces[f].triangle())) box.add(corner);
+        (box.lo.x < 1.2 ? box_patches : dust_patches) += 1;
+        CHECK(max_component(box.extent()) < 4 * std::sqrt(limits.largest_area));
+    }
+    CHECK(box_patches == groups.size() - dust_patches);
+    CHECK(dust_patches >= 2);   // two ways to look
+    CHECK(dust_patches <= 24);  // 0.0054 m^2 of dust in heaps of up to 0.00075 m^2, instead of 600
+}

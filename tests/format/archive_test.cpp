@@ -9,10 +9,14 @@
 #include "format/parallel.h"
 #include "format/section_codec.h"
 #include "format/sha256.h"
+#include "tests/support/archive_bytes.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/tiny_object.h"
 
 using namespace rro;
+using test::change_entry;
+using test::change_header;
+using test::entry_of;
 using test::tiny_object;
 using test::TinyObject;
 
@@ -22,6 +26,7 @@ using Bytes = std::vector<std::byte>;
 
 Bytes encoded(const TinyObject& object) {
     auto bytes = encode_archive(object.data());
+    INFO((bytes ? "" : bytes.error().where + ": " + bytes.error().message));
     REQUIRE(bytes);
     return *std::move(bytes);
 }
@@ -67,34 +72,10 @@ void check_same(const ObjectData& a, const ObjectData& b) {
     CHECK(same_bytes(a.intrinsic_area, b.intrinsic_area));
     CHECK(same_bytes(a.intrinsic_area_scale, b.intrinsic_area_scale));
     CHECK(same_bytes(a.visibility, b.visibility));
-}
-
-/// Writes the header's and the directory's checksums anew, as a program that edits archives would.
-void seal(Bytes& bytes) {
-    layout::ArchiveHeader header;
-    std::memcpy(&header, bytes.data(), sizeof header);
-    header.directory_crc32 = crc32_of(std::span(bytes).subspan(header.directory_offset, 64 * header.section_count));
-    header.header_crc32 = crc32_of(std::as_bytes(std::span(&header, 1)).first(layout::kHeaderCrcOffset));
-    std::memcpy(bytes.data(), &header, sizeof header);
-}
-
-template <class Change>
-void change_header(Bytes& bytes, const Change& change) {
-    layout::ArchiveHeader header;
-    std::memcpy(&header, bytes.data(), sizeof header);
-    change(header);
-    std::memcpy(bytes.data(), &header, sizeof header);
-    seal(bytes);
-}
-
-template <class Change>
-void change_entry(Bytes& bytes, std::size_t index, const Change& change) {
-    layout::SectionEntry entry;
-    std::byte* const at = bytes.data() + 64 + 64 * index;
-    std::memcpy(&entry, at, sizeof entry);
-    change(entry);
-    std::memcpy(at, &entry, sizeof entry);
-    seal(bytes);
+    CHECK(a.error_directions == b.error_directions);
+    CHECK(same_bytes(a.whole_area_error, b.whole_area_error));
+    CHECK(same_bytes(a.intrinsic_area_error, b.intrinsic_area_error));
+    CHECK(same_bytes(a.visibility_error, b.visibility_error));
 }
 
 /// The place and the message of the refusal.
@@ -132,12 +113,16 @@ TEST_CASE("defaults and what is left out come back too", "[archive]") {
     object.intrinsic_area.clear();
     object.intrinsic_area_scale.clear();
     object.visibility.clear();
+    object.error_directions = 0;
+    object.whole_area_error.clear();
+    object.intrinsic_area_error.clear();
+    object.visibility_error.clear();
     object.volumes.clear();
     object.volume_triangles.clear();
     const auto archive = Archive::from_bytes(encoded(object), "tiny.rro");
     REQUIRE(archive);
     check_same(archive->data(), object.data());
-    CHECK(archive->sections().size() == 5);
+    CHECK(archive->sections().size() == 6);
 }
 
 TEST_CASE("a file is mapped and used in place", "[archive]") {
@@ -154,7 +139,8 @@ TEST_CASE("a file is mapped and used in place", "[archive]") {
     CHECK(archive.content_sha256() == sha256_hex(std::as_bytes(std::span(text))));
     for (const SectionInfo& section : archive.sections()) {
         CHECK(section.offset % 64 == 0);
-        CHECK((section.codec == "raw" || section.name == "visibility"));
+        const bool in_place = section.name == "mesh" || section.name == "meta";
+        CHECK((section.codec == "raw" || !in_place));
     }
     CHECK(reinterpret_cast<std::uintptr_t>(archive.data().positions.data()) % 16 == 0);
     CHECK(reinterpret_cast<std::uintptr_t>(archive.data().whole_area.data()) % 16 == 0);
@@ -198,16 +184,17 @@ TEST_CASE("a newer major version is refused with the way out, a newer minor is r
     const auto major = Archive::from_bytes(bytes, "tiny.rro");
     REQUIRE_FALSE(major);
     CHECK(major.error().kind == ErrorKind::BadInput);
-    CHECK(contains(major.error().message, "is format 1.99, this build reads 0.x"));
+    CHECK(contains(major.error().message, "is format 2.99, this build reads 1.x"));
     CHECK(contains(major.error().hint, "rro-compile build"));
 }
 
 TEST_CASE("unknown sections are skipped, whatever their codec; extract still gives the raw ones", "[archive]") {
     Bytes bytes = encoded(tiny_object());
-    // `area` and `visibility` are optional: renamed they are unknown.
+    // `area` (with the `errors` that refer to it) and `visibility` are optional: renamed they are unknown.
+    change_entry(bytes, "errors", [](auto& entry) { std::memcpy(entry.name.data(), "gone\0\0", 7); });
     const auto rename = [](auto& entry) { std::memcpy(entry.name.data(), "brand_new\0\0", 11); };
-    change_entry(bytes, 6, rename);
-    change_entry(bytes, 7, [](auto& entry) {
+    change_entry(bytes, "area", rename);
+    change_entry(bytes, "visibility", [](auto& entry) {
         std::memcpy(entry.name.data(), "later_codec", 11);
         entry.codec = layout::Codec{7};
     });
@@ -215,8 +202,8 @@ TEST_CASE("unknown sections are skipped, whatever their codec; extract still giv
     REQUIRE(archive);
     CHECK(archive->data().area_clusters.empty());
     CHECK(archive->data().visibility.empty());
-    CHECK(archive->sections()[6].name == "brand_new");
-    CHECK(archive->sections()[7].codec == "7");
+    CHECK(archive->sections()[5].name == "brand_new");
+    CHECK(archive->sections()[6].codec == "7");
     CHECK(archive->section("brand_new"));
     const auto later = archive->section("later_codec");
     REQUIRE_FALSE(later);
@@ -228,9 +215,9 @@ TEST_CASE("unknown sections are skipped, whatever their codec; extract still giv
 
 TEST_CASE("the container's faults are named", "[archive]") {
     const Bytes good = encoded(tiny_object());
-    const auto with_entry = [&](std::size_t index, const auto& change) {
+    const auto with_entry = [&](const std::string& section, const auto& change) {
         Bytes bytes = good;
-        change_entry(bytes, index, change);
+        change_entry(bytes, section, change);
         return refusal(std::move(bytes));
     };
     const auto with_header = [&](const auto& change) {
@@ -239,41 +226,103 @@ TEST_CASE("the container's faults are named", "[archive]") {
         return refusal(std::move(bytes));
     };
     CHECK(contains(with_header([](auto& h) { h.archive_bytes += 64; }), "tiny.rro: header: field archive_bytes: found"));
-    {
-        Bytes bytes = good;
-        layout::ArchiveHeader header;
-        std::memcpy(&header, bytes.data(), sizeof header);
-        header.section_count = 0xffffffff;
-        header.header_crc32 = crc32_of(std::as_bytes(std::span(&header, 1)).first(layout::kHeaderCrcOffset));
-        std::memcpy(bytes.data(), &header, sizeof header);
-        CHECK(contains(refusal(bytes), "header: field section_count: found 4294967295"));
-    }
-    CHECK(contains(with_entry(1, [](auto& e) { e.offset += 4; }), "section mesh: field offset"));
-    CHECK(contains(with_entry(1, [](auto& e) { e.offset = ~std::uint64_t{63}; }), "section mesh: field offset"));
-    CHECK(contains(with_entry(1, [](auto& e) { e.offset -= 64; }), "section mesh: field offset"));
-    CHECK(contains(with_entry(1, [](auto& e) { e.stored_bytes = 1u << 30; }), "section mesh: field stored_bytes"));
-    CHECK(contains(with_entry(1, [](auto& e) { e.raw_bytes += 1; }), "section mesh: field raw_bytes"));
-    CHECK(contains(with_entry(1, [](auto& e) { e.crc32 ^= 1; }), "section mesh: field crc32"));
-    CHECK(contains(with_entry(1, [](auto& e) { e.codec = layout::Codec{2}; }), "section mesh: field codec: found 2"));
-    CHECK(contains(with_entry(1, [](auto& e) { std::memcpy(e.name.data(), "meta", 4); }), "entry 1: field name: found meta"));
-    CHECK(contains(with_entry(1, [](auto& e) { e.name[0] = 'M'; }), "directory entry 1: field name"));
-    CHECK(contains(with_entry(1, [](auto& e) { e.name[0] = 'n'; }), "found no section mesh"));
+    CHECK(contains(with_header([](auto& h) { h.section_count = 0xffffffff; }),
+                   "header: field section_count: found 4294967295, expected at most 256"));
+    CHECK(contains(with_header([](auto& h) { h.section_count = 256; }), "header: field section_count: found 256"));
+    CHECK(contains(with_entry("mesh", [](auto& e) { e.offset += 4; }), "section mesh: field offset"));
+    CHECK(contains(with_entry("mesh", [](auto& e) { e.offset = ~std::uint64_t{63}; }), "section mesh: field offset"));
+    CHECK(contains(with_entry("mesh", [](auto& e) { e.offset -= 64; }), "section mesh: field offset"));
+    CHECK(contains(with_entry("mesh", [](auto& e) { e.stored_bytes = 1u << 30; }), "section mesh: field stored_bytes"));
+    CHECK(contains(with_entry("mesh", [](auto& e) { e.raw_bytes += 1; }), "section mesh: field raw_bytes"));
+    CHECK(contains(with_entry("mesh", [](auto& e) { e.crc32 ^= 1; }), "section mesh: field crc32"));
+    CHECK(contains(with_entry("mesh", [](auto& e) { e.codec = layout::Codec{2}; }), "section mesh: field codec: found 2"));
+    CHECK(contains(with_entry("mesh", [](auto& e) { std::memcpy(e.name.data(), "meta", 4); }), "entry 1: field name: found meta"));
+    CHECK(contains(with_entry("mesh", [](auto& e) { e.name[0] = 'M'; }), "directory entry 1: field name"));
+    CHECK(contains(with_entry("mesh", [](auto& e) { e.name[0] = 'n'; }), "found no section mesh"));
 }
 
 TEST_CASE("a section that inflates to more or less than declared is refused before memory is spent", "[archive]") {
     const Bytes good = encoded(tiny_object());
     const auto with_size = [&](std::uint64_t raw_bytes) {
         Bytes bytes = good;
-        change_entry(bytes, 7, [&](auto& e) { e.raw_bytes = raw_bytes; });
+        change_entry(bytes, "visibility", [&](auto& e) { e.raw_bytes = raw_bytes; });
         return refusal(std::move(bytes));
     };
-    layout::SectionEntry entry;
-    std::memcpy(&entry, good.data() + 64 + 64 * 7, sizeof entry);
+    const layout::SectionEntry entry = entry_of(good, "visibility");
+    REQUIRE(entry.codec == layout::Codec::Zlib);
     CHECK(contains(with_size(entry.raw_bytes - 1), "section visibility: found"));
     CHECK(contains(with_size(entry.raw_bytes - 1), "hold more"));
     CHECK(contains(with_size(entry.raw_bytes + 1), "hold less"));
-    CHECK(contains(with_size(0x7fffffff), "cannot hold as much"));
+    CHECK(contains(with_size(0x3ffffff), "cannot hold as much"));
+    CHECK(contains(with_size(0x7fffffff), "field raw_bytes: found 2147483647, "));
     CHECK(contains(with_size(0xffffffff), "section visibility: field raw_bytes"));
+}
+
+TEST_CASE("packed sections may not unfold to more than the file's size allows", "[archive]") {
+    // Zeros shrink a thousandfold; each section is within its own bound, both together are not.
+    Bytes bytes = encoded(tiny_object());
+    const Bytes zeros(std::size_t{40} << 20);
+    bytes = test::with_payload(bytes, "hbv", zeros, layout::Codec::Zlib);
+    CHECK(contains(refusal(bytes), "section hbv"));  // as what it holds; one such section alone may be unpacked
+    CHECK_FALSE(contains(refusal(bytes), "raw_bytes"));
+    bytes = test::with_payload(bytes, "visibility", zeros, layout::Codec::Zlib);
+    CHECK(contains(refusal(bytes), "section hbv: field raw_bytes: found 41943040, 8388"));
+    CHECK(contains(refusal(bytes), "in all packed sections so far, expected at most 68"));
+}
+
+TEST_CASE("the writer stores raw what a reader would take for a bomb", "[archive]") {
+    // 128 x 128 directions of 6 patches, all seen: within the bound of small files, so there are 4500.
+    TinyObject object = tiny_object(128);
+    object.patches.resize(4500, object.patches.back());
+    for (std::uint32_t p = 5; p < 4500; ++p) {
+        object.patches[p].first_face = p + 5;
+        object.patches[p].face_count = 1;
+    }
+    object.triangles.resize(4505, object.triangles.back());
+    object.source_triangle.resize(4505, 0);
+    object.meta.source_triangles = 5000;
+    object.volumes.clear();
+    object.volume_triangles.clear();
+    object.faces.clear();
+    for (std::uint32_t t = 0; t < 4505; ++t) object.faces.push_back(Face::make(t, Side::Front));
+    object.clusters.clear();
+    test::add_clusters(object, 0, 4500, {1, 2, 3});
+    object.area_clusters.clear();
+    object.whole_area.clear();
+    object.intrinsic_area.clear();
+    object.whole_area_scale.clear();
+    object.intrinsic_area_scale.clear();
+    object.error_directions = 0;
+    object.whole_area_error.clear();
+    object.intrinsic_area_error.clear();
+    object.visibility_error.clear();
+    object.visibility.assign(std::size_t{4500} * 128 * 128, 255);
+    const Bytes bytes = encoded(object);
+    CHECK(entry_of(bytes, "visibility").codec == layout::Codec::Raw);
+    const auto archive = Archive::from_bytes(bytes, "flat.rro");
+    REQUIRE(archive);
+    CHECK(archive->data().visibility.size() == object.visibility.size());
+}
+
+TEST_CASE("only what is wanted is unpacked and shown, with what it refers to", "[archive]") {
+    const Bytes bytes = encoded(tiny_object());
+    const auto meta = Archive::from_bytes(bytes, "tiny.rro", Section::Meta);
+    REQUIRE(meta);
+    CHECK(meta->data().meta.source_name == "box.obj");
+    CHECK(meta->data().positions.empty());
+    CHECK(meta->sections().size() == 10);
+    const auto tables = Archive::from_bytes(bytes, "tiny.rro", Section::Visibility);
+    REQUIRE(tables);
+    CHECK_FALSE(tables->data().visibility.empty());
+    CHECK_FALSE(tables->data().patches.empty());  // visibility is per patch, and patches are ranges of faces
+    CHECK_FALSE(tables->data().faces.empty());
+    CHECK(tables->data().clusters.empty());
+    CHECK(tables->data().source_triangle.empty());
+
+    // What is not wanted is not looked at beyond its checksum; what is wanted is refused.
+    const Bytes damaged = test::with_payload(bytes, "hbv", Bytes(100, std::byte{0xff}), layout::Codec::Zlib);
+    CHECK(Archive::from_bytes(damaged, "tiny.rro", kGeometry | kTables));
+    CHECK(contains(refusal(damaged), "section hbv"));
 }
 
 TEST_CASE("zlib streams survive damage of any byte", "[codec]") {

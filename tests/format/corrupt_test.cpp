@@ -4,19 +4,17 @@
 
 #include "format/archive_reader.h"
 #include "format/archive_writer.h"
+#include "tests/support/archive_bytes.h"
+#include "tests/support/flatc.h"
+#include "tests/support/object_json.h"
 #include "tests/support/tiny_object.h"
 
 using namespace rro;
+using test::Bytes;
 
 namespace {
 
-using Bytes = std::vector<std::byte>;
-
-Bytes small_archive() {
-    auto bytes = encode_archive(test::tiny_object(2).data());
-    REQUIRE(bytes);
-    return *std::move(bytes);
-}
+Bytes smallest_golden() { return test::read_bytes(RRO_SOURCE_DIR "/tests/golden/1.0/smallest.rro"); }
 
 bool refused(const Bytes& bytes) {
     const auto archive = Archive::from_bytes(Bytes(bytes.begin(), bytes.end()), "small.rro");
@@ -28,7 +26,7 @@ bool refused(const Bytes& bytes) {
 }  // namespace
 
 TEST_CASE("an archive cut at any length is refused", "[corrupt]") {
-    const Bytes good = small_archive();
+    const Bytes good = smallest_golden();
     for (std::size_t length = 0; length < good.size(); ++length)
         if (!refused(Bytes(good.begin(), good.begin() + std::ptrdiff_t(length)))) FAIL("cut at " << length);
     Bytes longer = good;
@@ -38,12 +36,35 @@ TEST_CASE("an archive cut at any length is refused", "[corrupt]") {
 }
 
 TEST_CASE("an archive with any byte changed is refused", "[corrupt]") {
-    const Bytes good = small_archive();
-    for (const unsigned change : {0xffu, 0x01u})
+    const Bytes good = smallest_golden();
+    for (const unsigned change : {0xffu, 0x01u, 0x10u, 0x80u})
         for (std::size_t i = 0; i < good.size(); ++i) {
             Bytes bad = good;
             bad[i] ^= static_cast<std::byte>(change);
             // The minor version is no fault by itself, but the header's checksum covers it too.
             if (!refused(bad)) FAIL("byte " << i << " changed by " << change);
         }
+}
+
+TEST_CASE("with its checksums made right, a changed payload is refused or read within its bounds", "[corrupt]") {
+    const Bytes good = smallest_golden();
+    std::size_t refusals = 0, readings = 0;
+    for (const layout::SectionSpec& spec : layout::kSections) {
+        const std::string section(spec.name);
+        const Bytes payload = test::payload_of(good, section);
+        for (const unsigned change : {0xffu, 0x01u, 0x80u})
+            for (std::size_t i = 0; i < payload.size(); ++i) {
+                Bytes changed = payload;
+                changed[i] ^= static_cast<std::byte>(change);
+                const auto archive = Archive::from_bytes(test::with_payload(good, section, changed), "small.rro");
+                if (!archive) {
+                    ++refusals;
+                    continue;
+                }
+                // Every view is walked to its end.
+                if (!test::object_json(archive->data()).empty()) ++readings;
+            }
+    }
+    CHECK(refusals > 100);
+    CHECK(readings > 100);  // names, colours, positions: not every byte can be known to be wrong
 }

@@ -33,7 +33,7 @@ void check_faults(const std::vector<Fault>& faults) {
     for (const Fault& fault : faults) {
         TinyObject object = tiny_object();
         fault.make(object);
-        const Status status = verify_content(object.data(), "tiny.rro");
+        const Status status = verify_content(object.data(), SectionSet::all(), "tiny.rro");
         INFO(fault.place);
         REQUIRE_FALSE(status);
         CHECK(status.error().kind == ErrorKind::BadInput);
@@ -66,7 +66,7 @@ Bytes tiny_table() {
 
 }  // namespace
 
-TEST_CASE("the tiny object fits together", "[verifier]") { CHECK(verify_content(tiny_object().data(), "tiny.rro")); }
+TEST_CASE("the tiny object fits together", "[verifier]") { CHECK(verify_content(tiny_object().data(), SectionSet::all(), "tiny.rro")); }
 
 TEST_CASE("faults of meta and materials", "[verifier]") {
     check_faults({
@@ -87,11 +87,16 @@ TEST_CASE("faults of the mesh", "[verifier]") {
         {"mesh: field origin", [](auto& o) { o.origin.x = kInfinity; }},
         {"mesh: field positions[5]", [](auto& o) { o.positions[5].y = kNan; }},
         {"mesh: field triangles[11]", [](auto& o) { o.triangles[11][2] = 8; }},
-        {"mesh: field source_triangle", [](auto& o) { o.source_triangle.pop_back(); }},
-        {"mesh: field triangles", [](auto& o) { o.meta.source_triangles = 11; }},
-        {"mesh: field source_triangle[3]", [](auto& o) { o.source_triangle[3] = 13; }},
         {"mesh: field faces[2]", [](auto& o) { o.faces[2].packed = 24; }},
         {"mesh: field faces[2]", [](auto& o) { o.faces[2] = o.faces[1]; }},
+    });
+}
+
+TEST_CASE("faults of the source numbers", "[verifier]") {
+    check_faults({
+        {"source: field triangles", [](auto& o) { o.source_triangle.pop_back(); }},
+        {"source: field triangles", [](auto& o) { o.meta.source_triangles = 11; }},
+        {"source: field triangles[3]", [](auto& o) { o.source_triangle[3] = 13; }},
     });
 }
 
@@ -127,7 +132,6 @@ TEST_CASE("faults of the cluster tree", "[verifier]") {
         {"clusters: field clusters[6].first_patch", [](auto& o) { o.clusters[6].first_patch = 4; }},
         {"clusters: field clusters[6].patch_count", [](auto& o) { o.clusters[6].patch_count = 4; }},
         {"clusters: field clusters[7].area", [](auto& o) { o.clusters[7].area = -1; }},
-        {"clusters: field clusters[7].centre", [](auto& o) { o.clusters[7].centre.x = kNan; }},
         {"clusters: field clusters[7].radius", [](auto& o) { o.clusters[7].radius = kNan; }},
         {"clusters: field clusters[7].hi", [](auto& o) { o.clusters[7].hi.x = -1; }},
         {"clusters: field clusters[7].normal", [](auto& o) { o.clusters[7].normal.x = kNan; }},
@@ -167,7 +171,59 @@ TEST_CASE("faults of the tables", "[verifier]") {
         {"area: field intrinsic", [](auto& o) { o.intrinsic_area.push_back(0); }},
         {"area: field intrinsic_scale[0]", [](auto& o) { o.intrinsic_area_scale[0] = -1; }},
         {"visibility: field visibility", [](auto& o) { o.visibility.pop_back(); }},
+        {"errors: field whole", [](auto& o) { o.whole_area_error.pop_back(); }},
+        {"errors: field intrinsic[1]", [](auto& o) { o.intrinsic_area_error[1] = -0.5f; }},
+        {"errors: field visibility[0]", [](auto& o) { o.visibility_error[0] = kNan; }},
     });
+}
+
+TEST_CASE("trees have a greatest depth, and one level more is refused", "[verifier]") {
+    // A list: each inner node's left child is a leaf. P patches make a tree P levels deep.
+    const auto list_of = [](std::uint32_t patches) {
+        TinyObject object = tiny_object(2);
+        object.patches.resize(1);
+        object.patches[0].face_count = 1;
+        object.patches.resize(patches, object.patches[0]);
+        object.triangles.resize(patches, object.triangles[0]);
+        object.faces.clear();
+        object.clusters.clear();
+        for (std::uint32_t p = 0; p < patches; ++p) {
+            object.patches[p].first_face = p;
+            object.faces.push_back(Face::make(p, Side::Front));
+            const std::uint32_t own = 2 * p, rest = patches - p;
+            Cluster cluster{};
+            cluster.hi = {1, 2, 3};
+            cluster.first_patch = p;
+            cluster.patch_count = rest;
+            cluster.right_child = rest > 1 ? own + 2 : 0;
+            object.clusters.push_back(cluster);
+            if (rest == 1) break;
+            cluster.patch_count = 1;
+            cluster.right_child = 0;
+            object.clusters.push_back(cluster);
+        }
+        return object;
+    };
+    const SectionSet trees = Section::Meta | kGeometry;
+    CHECK(verify_content(list_of(layout::kMaxTreeDepth).data(), trees, "tiny.rro"));
+    const Status deeper = verify_content(list_of(layout::kMaxTreeDepth + 1).data(), trees, "tiny.rro");
+    REQUIRE_FALSE(deeper);
+    CHECK(deeper.error().where == "tiny.rro: section clusters: field clusters[511]");
+    CHECK(deeper.error().message == "found a tree 257 levels deep, expected at most 256");
+
+    TinyObject object = tiny_object(2);
+    const std::uint32_t leaves = layout::kMaxTreeDepth + 1;
+    object.triangles.resize(leaves, object.triangles[0]);
+    object.volume_triangles.resize(leaves);
+    object.volumes.clear();
+    for (std::uint32_t v = 0; v < leaves; ++v) {
+        object.volume_triangles[v] = v;
+        object.volumes.push_back({{}, {1, 2, 3}, v, leaves - v, v + 1 < leaves ? 2 * v + 2 : 0});
+        if (v + 1 < leaves) object.volumes.push_back({{}, {1, 2, 3}, v, 1, 0});
+    }
+    const Status volumes = verify_content(object.data(), Section::Meta | Section::Mesh | Section::Hbv, "tiny.rro");
+    REQUIRE_FALSE(volumes);
+    CHECK(volumes.error().message == "found a tree 257 levels deep, expected at most 256");
 }
 
 TEST_CASE("the writer does not write what a reader would refuse", "[verifier]") {

@@ -166,3 +166,24 @@ TEST_CASE("a scene without instances opens", "[scene]") {
     CHECK(scene.instances.empty());
     CHECK(scene.bounds.empty());
 }
+
+TEST_CASE("an archive without the tables that a method needs is refused by who needs them, and read by others",
+          "[scene]") {
+    SceneFiles files;
+    TinyObject object = tiny_object();
+    object.visibility.clear();
+    files.add_archive("bare.rro", object);
+    const auto manifest = files.instances(instance("a", "", "bare.rro"));
+    const Error error = files.error(manifest);
+    CHECK_THAT(text_of(error), Contains("/instances/0/archive") && Contains("bare.rro") &&
+                                   Contains("has no section visibility, which --method reusable needs"));
+    auto read = read_manifest(manifest);
+    REQUIRE(read);
+    CHECK(open_scene(std::move(*read), kGeometry | Section::Source));
+
+    object = tiny_object();
+    object.whole_area.clear();
+    object.whole_area_scale.clear();
+    files.add_archive("bare.rro", object);
+    CHECK_THAT(text_of(files.error(manifest)), Contains("has no section area"));
+}

@@ -26,6 +26,8 @@ struct TinyObject {
     std::vector<std::uint32_t> area_clusters;
     std::vector<std::uint8_t> whole_area, intrinsic_area, visibility;
     std::vector<float> whole_area_scale, intrinsic_area_scale;
+    std::uint32_t error_directions = 0;
+    std::vector<float> whole_area_error, intrinsic_area_error, visibility_error;
 
     /// Views of the vectors as they are now.
     ObjectData data() const {
@@ -47,6 +49,10 @@ struct TinyObject {
         d.intrinsic_area = intrinsic_area;
         d.intrinsic_area_scale = intrinsic_area_scale;
         d.visibility = visibility;
+        d.error_directions = error_directions;
+        d.whole_area_error = whole_area_error;
+        d.intrinsic_area_error = intrinsic_area_error;
+        d.visibility_error = visibility_error;
         return d;
     }
 };
@@ -68,7 +74,6 @@ inline void add_clusters(TinyObject& o, std::uint32_t first, std::uint32_t count
     c.patch_count = count;
     for (std::uint32_t p = first; p < first + count; ++p) c.area += o.patches[p].area;
     c.hi = size;
-    c.centre = to_float(0.5 * to_double(size));
     c.radius = static_cast<float>(0.5 * length(to_double(size)));
     c.cone_cosine = -1;
     o.clusters.push_back(c);
@@ -83,7 +88,7 @@ inline void add_clusters(TinyObject& o, std::uint32_t first, std::uint32_t count
 }
 
 /// The box [origin, origin + size] with six patches (one per wall, materials alternating), a cluster tree, an HBV of
-/// three volumes, area tables of the root and its left child, and full visibility, over a `grid_size`^2 grid.
+/// three volumes, area tables of the root and its left child with error bars, and full visibility, over a `grid_size`^2 grid.
 inline TinyObject tiny_object(std::uint32_t grid_size = 3, const Vec3& origin = {}) {
     const Vec3f size{1, 2, 3};
     TinyObject o;
@@ -117,8 +122,12 @@ inline TinyObject tiny_object(std::uint32_t grid_size = 3, const Vec3& origin = 
         o.intrinsic_area.push_back(static_cast<std::uint8_t>(255 - i));
     }
     o.visibility.assign(6 * std::size_t{directions}, 255);
+    o.error_directions = 24;
+    o.whole_area_error = {0.0625f, 0.125f};
+    o.intrinsic_area_error = {0.03125f, 0.25f};
+    o.visibility_error = {0, 0.5f};
 
-    o.meta.tool_version = "0.1.0";
+    o.meta.tool_version = "1.0.0";
     o.meta.source_name = "box.obj";
     o.meta.source_sha256 = std::string(64, 'a');
     o.meta.options = "grid=" + std::to_string(grid_size);

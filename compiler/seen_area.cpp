@@ -1,0 +1,83 @@
+#include "compiler/seen_area.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "compiler/direction_images.h"
+#include "format/parallel.h"
+
+namespace rro {
+namespace {
+
+/// sums[i] = sum of values before i. [n + 1]
+template <class Sum, class Value>
+std::vector<Sum> prefix_sums(std::span<const Value> values) {
+    std::vector<Sum> sums(values.size() + 1);
+    for (std::size_t i = 0; i < values.size(); ++i) sums[i + 1] = sums[i] + values[i];
+    return sums;
+}
+
+void add_ranges(std::span<const std::uint32_t> per_face, std::span<const FaceRange> ranges, std::size_t directions,
+                std::size_t direction, std::vector<std::uint32_t>& out) {
+    const std::vector<std::uint32_t> sums = prefix_sums<std::uint32_t>(per_face);
+    for (std::size_t i = 0; i < ranges.size(); ++i)
+        out[i * directions + direction] = sums[ranges[i].end] - sums[ranges[i].begin];
+}
+
+}  // namespace
+
+std::vector<FaceRange> patch_ranges(const ObjectData& object) {
+    std::vector<FaceRange> ranges;
+    for (const Patch& p : object.patches) ranges.push_back({p.first_face, p.first_face + p.face_count});
+    return ranges;
+}
+
+std::vector<FaceRange> cluster_ranges(const ObjectData& object, std::span<const std::uint32_t> clusters) {
+    std::vector<FaceRange> ranges;
+    for (const std::uint32_t c : clusters) {
+        const Cluster& cluster = object.clusters[c];
+        const Patch& last = object.patches[cluster.first_patch + cluster.patch_count - 1];
+        ranges.push_back({object.patches[cluster.first_patch].first_face, last.first_face + last.face_count});
+    }
+    return ranges;
+}
+
+SeenCounts count_seen_areas(const ObjectData& object, const ObjectRays& rays, std::span<const Vec3> directions,
+                            std::span<const FaceRange> clusters) {
+    const std::size_t count = directions.size();
+    const std::vector<FaceRange> patches = patch_ranges(object);
+    const std::vector<std::uint32_t> face_by_side = faces_by_side(object);
+    SeenCounts counts{SampleCounts(patches.size() * count), SampleCounts(clusters.size() * count), SampleCounts(count)};
+    parallel_for(count, 1, [&](std::size_t d) {
+        const DirectionImage image = fit_image(object.positions, directions[d], object.meta.image_resolution);
+        std::vector<std::uint32_t> seen(object.faces.size()), covered(object.faces.size());
+        count_seen(object, face_by_side, rays, image, seen);
+        count_covered(object, face_by_side, image, covered, {});
+        add_ranges(seen, patches, count, d, counts.patches.seen);
+        add_ranges(covered, patches, count, d, counts.patches.covered);
+        add_ranges(seen, clusters, count, d, counts.clusters.seen);
+        add_ranges(covered, clusters, count, d, counts.clusters.covered);
+        counts.whole.seen[d] = std::accumulate(seen.begin(), seen.end(), 0u);
+        counts.whole.covered[d] = std::accumulate(covered.begin(), covered.end(), 0u);
+    });
+    return counts;
+}
+
+std::vector<double> cosine_sums(const ObjectData& object, std::span<const Vec3> directions,
+                                std::span<const FaceRange> ranges) {
+    std::vector<Vec3> area_vectors;
+    area_vectors.reserve(object.faces.size());
+    for (const Face f : object.faces) area_vectors.push_back(area_vector(object.corners(f)));
+    std::vector<double> result(ranges.size() * directions.size());
+    parallel_for(directions.size(), 1, [&](std::size_t d) {
+        std::vector<double> projected;
+        projected.reserve(area_vectors.size());
+        for (const Vec3& a : area_vectors) projected.push_back(std::max(0.0, dot(a, directions[d])));
+        const std::vector<double> sums = prefix_sums<double>(std::span<const double>(projected));
+        for (std::size_t i = 0; i < ranges.size(); ++i)
+            result[i * directions.size() + d] = std::max(0.0, sums[ranges[i].end] - sums[ranges[i].begin]);
+    });
+    return result;
+}
+
+}  // namespace rro

@@ -1,0 +1,37 @@
+// What patches and clusters show along given directions, from images of the whole object.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "compiler/visible_share.h"
+#include "format/object_data.h"
+#include "format/rays/object_rays.h"
+
+namespace rro {
+
+/// Half-open range of faces.
+struct FaceRange {
+    std::uint32_t begin, end;
+};
+std::vector<FaceRange> patch_ranges(const ObjectData& object);
+std::vector<FaceRange> cluster_ranges(const ObjectData& object, std::span<const std::uint32_t> clusters);
+
+/// Counts of P patches, of K clusters and of the whole object over D directions.
+struct SeenCounts {
+    SampleCounts patches, clusters, whole;  // [P * D], [K * D], [D]
+};
+
+/// From one image of meta.image_resolution^2 samples per direction.
+///
+/// directions   [D] unit, from the object to its viewer
+/// clusters     [K] their faces
+SeenCounts count_seen_areas(const ObjectData& object, const ObjectRays& rays, std::span<const Vec3> directions,
+                            std::span<const FaceRange> clusters);
+
+/// Sum of A max(0, n . w) over the faces of each range. [ranges * D], m^2
+std::vector<double> cosine_sums(const ObjectData& object, std::span<const Vec3> directions,
+                                std::span<const FaceRange> ranges);
+
+}  // namespace rro
