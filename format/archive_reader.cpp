@@ -107,6 +107,8 @@ struct Archive::Impl {
     const SectionEntry* find(std::string_view section) const;
     Result<Bytes> unpack(const SectionEntry& entry) const;
     Result<std::span<const std::byte>> payload(Section section, const SectionEntry& entry);
+    using Entries = std::array<const SectionEntry*, kSectionKinds>;
+    Result<Entries> entries_to_load(SectionSet wanted) const;
     Status load(SectionSet wanted);
     Status load_section(Section section, const SectionEntry& entry);
 
@@ -152,6 +154,24 @@ Status Archive::Impl::load_section(Section section, const SectionEntry& entry) {
     return Done{};
 }
 
+/// By section, nullptr where there is nothing to load: not wanted, not in the file, packed in a way of later versions, or
+/// of no use without another section that is none of this file's. Required sections are there in any case.
+auto Archive::Impl::entries_to_load(SectionSet wanted) const -> Result<Entries> {
+    Entries entries{};
+    for (std::size_t i = 0; i < kSectionKinds; ++i) {
+        const layout::SectionSpec& spec = layout::kSections[i];
+        const SectionEntry* entry = find(spec.name);
+        if (!entry && spec.required)
+            return bad_input(name + ": directory", "found no section " + std::string(spec.name) + ", expected one");
+        if (!entry || !wanted.has(static_cast<Section>(i))) continue;
+        bool usable = spec.required || entry->codec == Codec::Raw || entry->codec == Codec::Zlib;
+        for (std::size_t other = 0; other < i; ++other)
+            if (spec.needs.has(static_cast<Section>(other)) && !entries[other]) usable = false;
+        if (usable) entries[i] = entry;
+    }
+    return entries;
+}
+
 /// Verifies from the outside in; a view of a section is made only after its bytes have passed.
 Status Archive::Impl::load(SectionSet wanted) {
     auto verified = verify_container(bytes, name);
@@ -159,22 +179,18 @@ Status Archive::Impl::load(SectionSet wanted) {
     container = *std::move(verified);
     for (const SectionEntry& entry : container.entries) sections.push_back(info_of(entry));
 
-    wanted = with_needs(wanted);
-    std::array<const SectionEntry*, kSectionKinds> entries{};
-    for (std::size_t i = 0; i < kSectionKinds; ++i) {
-        const layout::SectionSpec& spec = layout::kSections[i];
-        const SectionEntry* entry = find(spec.name);
-        if (!entry && spec.required)
-            return bad_input(name + ": directory", "found no section " + std::string(spec.name) + ", expected one");
-        if (wanted.has(static_cast<Section>(i))) entries[i] = entry;
-    }
+    const auto entries = entries_to_load(with_needs(wanted));
+    if (!entries) return entries.error();
     std::vector<Status> loaded(kSectionKinds, Done{});
     parallel_for(kSectionKinds, 1, [&](std::size_t i) {
-        if (entries[i]) loaded[i] = load_section(static_cast<Section>(i), *entries[i]);
+        if ((*entries)[i]) loaded[i] = load_section(static_cast<Section>(i), *(*entries)[i]);
     });
     for (Status& status : loaded)
         if (!status) return std::move(status);
-    if (auto checked = verify_content(data, wanted, name); !checked) return checked;
+    SectionSet present;
+    for (std::size_t i = 0; i < kSectionKinds; ++i)
+        if ((*entries)[i]) present = present | static_cast<Section>(i);
+    if (auto checked = verify_content(data, present, name); !checked) return checked;
     grid.emplace(data.meta.grid_map, data.meta.grid_size);
     return Done{};
 }

@@ -190,8 +190,7 @@ TEST_CASE("a newer major version is refused with the way out, a newer minor is r
 
 TEST_CASE("unknown sections are skipped, whatever their codec; extract still gives the raw ones", "[archive]") {
     Bytes bytes = encoded(tiny_object());
-    // `area` (with the `errors` that refer to it) and `visibility` are optional: renamed they are unknown.
-    change_entry(bytes, "errors", [](auto& entry) { std::memcpy(entry.name.data(), "gone\0\0", 7); });
+    // `area` and `visibility` are optional: renamed they are unknown, and the `errors` of `area` are of no use.
     const auto rename = [](auto& entry) { std::memcpy(entry.name.data(), "brand_new\0\0", 11); };
     change_entry(bytes, "area", rename);
     change_entry(bytes, "visibility", [](auto& entry) {
@@ -202,6 +201,7 @@ TEST_CASE("unknown sections are skipped, whatever their codec; extract still giv
     REQUIRE(archive);
     CHECK(archive->data().area_clusters.empty());
     CHECK(archive->data().visibility.empty());
+    CHECK(archive->data().whole_area_error.empty());
     CHECK(archive->sections()[5].name == "brand_new");
     CHECK(archive->sections()[6].codec == "7");
     CHECK(archive->section("brand_new"));
@@ -211,6 +211,18 @@ TEST_CASE("unknown sections are skipped, whatever their codec; extract still giv
     const auto missing = archive->section("nothing");
     REQUIRE_FALSE(missing);
     CHECK(contains(missing.error().message, "meta, mesh, materials"));
+}
+
+TEST_CASE("an optional section packed in a way of later versions counts as missing", "[archive][version]") {
+    Bytes bytes = encoded(tiny_object());
+    change_entry(bytes, "area", [](auto& entry) { entry.codec = layout::Codec{2}; });
+    const auto archive = Archive::from_bytes(bytes, "tiny.rro");
+    REQUIRE(archive);
+    CHECK(archive->data().whole_area.empty());
+    CHECK(archive->data().whole_area_error.empty());
+    CHECK_FALSE(archive->data().visibility.empty());
+    change_entry(bytes, "clusters", [](auto& entry) { entry.codec = layout::Codec{2}; });
+    CHECK(contains(refusal(bytes), "section clusters: field codec: found 2, expected 0 or 1"));
 }
 
 TEST_CASE("the container's faults are named", "[archive]") {
