@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
+#include "compiler/archive_facts.h"
 #include "compiler/cluster_tree.h"
 #include "format/archive_reader.h"
 #include "format/archive_writer.h"
@@ -79,12 +80,6 @@ Status set_options(const BuildRequest& request, BuildPlan& plan) {
     plan.compile.grid_map = *map;
     plan.compile.grid_size = request.grid;
     return Done{};
-}
-
-std::string shortest(double x) {
-    std::array<char, 32> text;
-    const auto end = std::to_chars(text.data(), text.data() + text.size(), x).ptr;
-    return {text.data(), end};
 }
 
 std::string canonical_options(const BuildRequest& request, const BuildPlan& plan) {

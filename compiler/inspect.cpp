@@ -2,45 +2,16 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cstdint>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <numeric>
 #include <vector>
 
+#include "compiler/archive_facts.h"
+
 namespace rro {
 namespace {
-
-std::string map_name(GridMap map) {
-    return map == GridMap::Octahedral ? "octahedral" : "latlong";
-}
-
-std::size_t cluster_depth(std::span<const Cluster> clusters) {
-    std::vector<std::size_t> depth(clusters.size(), 1);
-    std::size_t deepest = 0;
-    for (std::size_t c = 0; c < clusters.size(); ++c) {  // preorder: parents come first
-        deepest = std::max(deepest, depth[c]);
-        if (clusters[c].right_child == 0) continue;
-        depth[c + 1] = depth[clusters[c].right_child] = depth[c] + 1;
-    }
-    return deepest;
-}
-
-/// Material of every triangle, from the patches of its faces. [T]
-std::vector<std::uint32_t> triangle_materials(const ObjectData& data) {
-    std::vector<std::uint32_t> material(data.triangles.size());
-    for (const Patch& p : data.patches)
-        for (std::uint32_t f = p.first_face; f < p.first_face + p.face_count; ++f)
-            material[data.faces[f].triangle()] = p.material;
-    return material;
-}
-
-std::string shortest(double x) {
-    std::array<char, 32> text;
-    const auto end = std::to_chars(text.data(), text.data() + text.size(), x).ptr;
-    return {text.data(), end};
-}
 
 std::string quoted_field(const std::string& text) {
     if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
@@ -60,7 +31,7 @@ nlohmann::ordered_json counts_of(const ObjectData& d) {
             {"faces", d.faces.size()},
             {"patches", d.patches.size()},
             {"clusters", d.clusters.size()},
-            {"cluster_depth", cluster_depth(d.clusters)},
+            {"cluster_depth", tree_depth(d.clusters)},
             {"volumes", d.volumes.size()},
             {"materials", d.materials.size()},
             {"area_clusters", d.area_clusters.size()},
@@ -103,7 +74,7 @@ nlohmann::ordered_json inspection(const Archive& archive, const std::string& nam
     nlohmann::ordered_json out{
         {"file", name},
         {"bytes", archive.file_bytes()},
-        {"version", std::to_string(archive.version_major()) + "." + std::to_string(archive.version_minor())},
+        {"version", format_version(archive)},
         {"content", archive.content_sha256()},
         {"tool_version", m.tool_version},
         {"source", {{"name", m.source_name}, {"sha256", m.source_sha256}}},
@@ -146,9 +117,8 @@ std::string line(const char* format, Values... values) {
 std::string inspection_text(const Archive& archive, const std::string& name) {
     const ObjectData& d = archive.data();
     const ObjectMeta& m = d.meta;
-    std::string out = name + ": format " + std::to_string(archive.version_major()) + "." +
-                      std::to_string(archive.version_minor()) + ", " + std::to_string(archive.file_bytes()) +
-                      " bytes\n";
+    std::string out =
+        name + ": format " + format_version(archive) + ", " + std::to_string(archive.file_bytes()) + " bytes\n";
     out += "content    " + archive.content_sha256() + "\n";
     out += "source     " + m.source_name + " " + m.source_sha256 + "\n";
     out += "made by    rro-compile " + m.tool_version + "\n";
@@ -159,7 +129,7 @@ std::string inspection_text(const Archive& archive, const std::string& name) {
     out += line("mesh       %zu triangles of %u in the source, %zu vertices, %zu faces", d.triangles.size(),
                 m.source_triangles, d.positions.size(), d.faces.size());
     out += line("trees      %zu patches, %zu clusters (%zu deep), %zu volumes", d.patches.size(), d.clusters.size(),
-                cluster_depth(d.clusters), d.volumes.size());
+                tree_depth(d.clusters), d.volumes.size());
     out += line("tables     %u x %u %s directions, images of %u^2; areas of %zu clusters", m.grid_size, m.grid_size,
                 map_name(m.grid_map).c_str(), m.image_resolution, d.area_clusters.size());
     for (const ErrorBars& bar : error_bars(d))

@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <string>
 
+#include "compiler/archive_diff.h"
 #include "compiler/build_command.h"
 #include "compiler/inspect.h"
 #include "format/archive_reader.h"
@@ -23,13 +24,15 @@ constexpr const char* kExamples =
     "  rro-compile inspect chair.rro --json\n"
     "  rro-compile inspect chair.rro --triangles chair.csv\n"
     "  rro-compile verify library/*.rro\n"
+    "  rro-compile diff old/chair.rro new/chair.rro\n"
     "  rro-compile extract chair.rro --section patches --out patches.bin\n"
-    "Exit codes: 0 done, 1 the work failed, 2 wrong usage, 3 bad input, 4 internal error, 130 interrupted.";
+    "Exit codes: 0 done, 1 the work failed or archives differ, 2 wrong usage, 3 bad input, 4 internal error, "
+    "130 interrupted.";
 
 struct Arguments {
     BuildRequest build;
     std::vector<std::filesystem::path> archives;
-    std::filesystem::path archive, triangles, extracted;
+    std::filesystem::path archive, other, triangles, extracted;
     std::string section;
     unsigned threads = 0;
     bool json = false, quiet = false, verbose = false;
@@ -124,6 +127,20 @@ int run_verify(const Arguments& a) {
     return code;
 }
 
+int run_diff(const Arguments& a) {
+    const auto before = Archive::open(a.archive);
+    const auto after = Archive::open(a.other);
+    int refused = 0;
+    for (const auto* archive : {&before, &after})
+        if (!*archive) refused = std::max(refused, report_error(kProgram, archive->error()));
+    if (refused) return refused;
+    const ArchiveDiff diff = diff_archives(*before, *after);
+    const std::string name_a = a.archive.string(), name_b = a.other.string();
+    if (a.json || !a.quiet)
+        std::fputs((a.json ? diff_json(diff, name_a, name_b) : diff_text(diff, name_a, name_b)).c_str(), stdout);
+    return diff.same ? 0 : 1;
+}
+
 int run_extract(const Arguments& a) {
     const auto archive = Archive::open(a.archive);
     if (!archive) return report_error(kProgram, archive.error());
@@ -149,6 +166,12 @@ int main_with(int argc, char** argv) {
     CLI::App* verify = app.add_subcommand("verify", "Check archives completely");
     verify->add_option("archives", a.archives, "The archives")->required()->type_name("FILE.rro");
     declare_common(*verify, a);
+    CLI::App* diff =
+        app.add_subcommand("diff", "Show what changed from one archive to another; exit code 1 if they differ");
+    diff->add_option("before", a.archive, "The archive before")->required()->type_name("A.rro");
+    diff->add_option("after", a.other, "The archive after")->required()->type_name("B.rro");
+    diff->add_flag("--json", a.json, "As JSON");
+    declare_common(*diff, a);
     CLI::App* extract = app.add_subcommand("extract", "Write one section as a plain FlatBuffers buffer");
     extract->add_option("archive", a.archive, "The archive")->required()->type_name("FILE.rro");
     extract->add_option("--section", a.section, "Its name, as inspect shows it")->required()->type_name("NAME");
@@ -163,6 +186,7 @@ int main_with(int argc, char** argv) {
     set_thread_count(a.threads);
     if (build->parsed()) return run_build(a);
     if (inspect->parsed()) return run_inspect(a);
+    if (diff->parsed()) return run_diff(a);
     return verify->parsed() ? run_verify(a) : run_extract(a);
 }
 

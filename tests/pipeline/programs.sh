@@ -43,6 +43,30 @@ END
 "$compile" verify library/box.rro > /dev/null
 "$compile" build "$source/samples/meshes/cornell_lamp.obj" --two-sided no --out library/lamp.rro --quiet
 
+# differs STATUS PATTERN A.rro B.rro: what diff exits with and says.
+differs() {
+    local status=0
+    "$compile" diff "$3" "$4" > stdout.txt || status=$?
+    [ "$status" -eq "$1" ] || fail "diff $3 $4: exit code $status, expected $1: $(cat stdout.txt)"
+    grep -qE "$2" stdout.txt || fail "diff $3 $4: expected /$2/ in: $(cat stdout.txt)"
+}
+
+# Versions of an object: the same file, the same content, another colour, another corner.
+mkdir white red tall
+printf 'newmtl paint\nKd 0.5 0.5 0.5\n' > white/paint.mtl
+printf 'newmtl paint\nKd 0.5 0.25 0.25\n' > red/paint.mtl
+cp white/paint.mtl tall/
+for folder in white red; do { echo "mtllib paint.mtl"; echo "usemtl paint"; cat box.obj; } > $folder/box.obj; done
+sed 's/^v 1 1 1$/v 1 1.5 1/' white/box.obj > tall/box.obj
+for folder in white red tall; do "$compile" build $folder/box.obj --out $folder.rro --quiet; done
+differs 0 "the same, byte for byte" white.rro white.rro
+differs 1 '^materials +"paint": reflectance \(0.5, 0.5, 0.5\) -> \(0.5, 0.25, 0.25\)' white.rro red.rro
+differs 1 'triangles? moved: .* by 0.5 m.*\(1, 1, 1\) -> \(1, 1.5, 1\)' white.rro tall.rro
+status=0
+"$compile" diff white.rro tall.rro --json > diff.json || status=$?
+[ "$status" -eq 1 ] || fail "diff --json: exit code $status, expected 1"
+grep -q '"kind": "triangles_moved"' diff.json || fail "diff --json has no triangles_moved"
+
 scene() { # scene X: a box at height X, lit by a lamp from above
     cat <<END
 { "format": "rro-scene/1", "accuracy": 0.1, "instances": [
@@ -79,6 +103,7 @@ refused "empty mesh" "empty.obj" "$compile" build empty.obj --out output.rro
 refused "NaN vertices" "nan.obj" "$compile" build nan.obj --out output.rro
 refused "an index out of range" "index.obj:4" "$compile" build index.obj --out output.rro
 refused "not an archive" "box.obj" "$compile" verify box.obj
+refused "no archive to compare with" "none.rro" "$compile" diff white.rro none.rro
 
 sed 's/"accuracy"/"acuracy"/' scene.json > bad.json
 refused "unknown key" "bad.json.*acuracy|acuracy" "$solve" run bad.json --radiosity output.csv
