@@ -133,9 +133,8 @@ std::string inspection_text(const Archive& archive, const std::string& name) {
     out += line("tables     %u x %u %s directions, images of %u^2; areas of %zu clusters", m.grid_size, m.grid_size,
                 map_name(m.grid_map).c_str(), m.image_resolution, d.area_clusters.size());
     for (const ErrorBars& bar : error_bars(d))
-        out += line("error      %-16s %6.2f %% of the object, %6.2f %% of the median cluster, %6.2f %% of the worst "
-                    "(%u directions off the grid)",
-                    bar.name, 100 * bar.object, 100 * bar.median, 100 * bar.largest, d.error_directions);
+        out += line("off grid   %-16s %.3g %% off for the object, %.3g %% for the median cluster, %.3g %% for the worst",
+                    bar.name, 100 * bar.object, 100 * bar.median, 100 * bar.largest);
     for (const Material& material : d.materials)
         out += "material   " + material.name +
                line(": reflectance %.4g %.4g %.4g%s, exitance %.6g %.6g %.6g W/m^2", material.reflectance.x,
