@@ -61,16 +61,18 @@ AreaTables tables_of(const ObjectData& data, bool whole) {
 
 /// Over the sphere, each node by its solid angle.
 double mean_over(const DirectionGrid& grid, const AreaTables& tables, std::size_t row) {
+    const std::vector<double> angles = grid.solid_angles();
     double mean = 0;
-    for (std::uint32_t d = 0; d < grid.size(); ++d) mean += tables.value(row, d) * grid.solid_angle(d) / kSphere;
+    for (std::uint32_t d = 0; d < grid.size(); ++d) mean += tables.value(row, d) * angles[d] / kSphere;
     return mean;
 }
 
 double rms_over(const DirectionGrid& grid, const AreaTables& a, const AreaTables& b, std::size_t row) {
+    const std::vector<double> angles = grid.solid_angles();
     double square = 0;
     for (std::uint32_t d = 0; d < grid.size(); ++d) {
         const double change = b.value(row, d) - a.value(row, d);
-        square += change * change * grid.solid_angle(d) / kSphere;
+        square += change * change * angles[d] / kSphere;
     }
     return std::sqrt(square);
 }
@@ -158,6 +160,7 @@ void compare_visibility(const Archive& a, const Archive& b, const TreeMatch& tre
     const ObjectData &da = a.data(), &db = b.data();
     if (da.visibility.empty() || db.visibility.empty()) return;
     const std::size_t directions = da.directions();
+    const std::vector<double> angles = a.grid().solid_angles();
     double square = 0, area = 0;
     std::uint64_t count = 0;
     for (std::size_t p = 0; p < da.patches.size(); ++p) {
@@ -170,7 +173,7 @@ void compare_visibility(const Archive& a, const Archive& b, const TreeMatch& tre
         ++count;
         for (std::uint32_t d = 0; d < directions; ++d) {
             const double change = (after[d] - before[d]) / 255.0;
-            square += change * change * weight * a.grid().solid_angle(d) / kSphere;
+            square += change * change * weight * angles[d] / kSphere;
         }
     }
     if (count == 0) return;

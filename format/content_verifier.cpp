@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdio>
 #include <utility>
@@ -21,6 +23,42 @@ bool finite(const Vec3f& v) { return std::isfinite(v.x) && std::isfinite(v.y) &&
 bool finite_box(const Vec3f& lo, const Vec3f& hi) {
     return finite(lo) && finite(hi) && lo.x <= hi.x && lo.y <= hi.y && lo.z <= hi.z;
 }
+// The long arrays are first judged as a whole, in loops without branches; only where something is wrong it is looked for.
+
+/// A float is not finite where all bits of its exponent are set.
+bool all_finite(std::span<const Vec3f> positions) {
+    constexpr std::uint32_t kExponent = 0x7f800000;
+    const auto* floats = reinterpret_cast<const float*>(positions.data());
+    std::uint32_t wrong = 0;
+    for (std::size_t i = 0; i < 3 * positions.size(); ++i)
+        wrong |= (std::bit_cast<std::uint32_t>(floats[i]) & kExponent) == kExponent ? 1u : 0u;
+    return wrong == 0;
+}
+
+bool all_below(std::span<const std::uint32_t> values, std::uint64_t limit) {
+    std::uint32_t largest = 0;
+    for (const std::uint32_t value : values) largest = std::max(largest, value);
+    return values.empty() || largest < limit;
+}
+
+/// The numbers 0 .. limit - 1, none of them twice.
+bool all_different(std::span<const std::uint32_t> values, std::uint64_t limit) {
+    if (!all_below(values, limit)) return false;
+    std::vector<std::uint8_t> seen(limit, 0);
+    std::uint8_t twice = 0;
+    for (const std::uint32_t value : values) {
+        twice |= seen[value];
+        seen[value] = 1;
+    }
+    return twice == 0;
+}
+
+/// The words of an array of structures that hold nothing else.
+template <class T>
+std::span<const std::uint32_t> words_of(std::span<const T> values) {
+    return {reinterpret_cast<const std::uint32_t*>(values.data()), values.size_bytes() / 4};
+}
+
 bool not_negative(double value) { return std::isfinite(value) && value >= 0; }
 
 /// Light that is reflected for ever has no solution, so 1 is excluded.
@@ -39,7 +77,6 @@ class ContentVerifier {
 
     Status meta() const;
     Status mesh() const;
-    Status faces() const;
     Status materials() const;
     Status patches() const;
     Status clusters() const;
@@ -80,6 +117,8 @@ class ContentVerifier {
     Status cluster_numbers(std::size_t i) const;
     Status cluster_children(std::size_t i) const;
     Status volume_children(std::size_t i, std::size_t end) const;
+    Status all_once(const char* section, const char* array, std::span<const std::uint32_t> values, std::uint64_t limit,
+                    const char* rule) const;
     Status depth_within_limit(const char* section, const char* array, std::size_t index, std::uint32_t depth) const;
     Status table(const char* values_name, std::size_t values, const char* scale_name, std::span<const float> scale) const;
     Status error_bars(const char* field, std::span<const float> values) const;
@@ -102,15 +141,19 @@ Status ContentVerifier::meta() const {
 }
 
 Status ContentVerifier::mesh() const {
-    const std::size_t vertices = o_.positions.size(), triangles = o_.triangles.size();
+    const std::size_t vertices = o_.positions.size();
     if (!is_finite(o_.origin)) return wrong("mesh", "origin", triple(o_.origin), "finite numbers");
-    for (std::size_t i = 0; i < vertices; ++i)
-        if (!finite(o_.positions[i])) return wrong("mesh", "positions", i, "", triple(o_.positions[i]), "finite numbers");
-    for (std::size_t t = 0; t < triangles; ++t)
-        for (const std::uint32_t corner : o_.triangles[t])
-            if (corner >= vertices)
-                return wrong("mesh", "triangles", t, "", "vertex " + number(corner), "one below " + number(vertices));
-    return faces();
+    if (!all_finite(o_.positions)) {
+        const auto at = std::find_if_not(o_.positions.begin(), o_.positions.end(), finite);
+        return wrong("mesh", "positions", static_cast<std::size_t>(at - o_.positions.begin()), "", triple(*at),
+                     "finite numbers");
+    }
+    if (const auto corners = words_of(o_.triangles); !all_below(corners, vertices)) {
+        const auto at = std::find_if(corners.begin(), corners.end(), [&](std::uint32_t c) { return c >= vertices; });
+        return wrong("mesh", "triangles", static_cast<std::size_t>(at - corners.begin()) / 3, "", "vertex " + number(*at),
+                     "one below " + number(vertices));
+    }
+    return all_once("mesh", "faces", words_of(o_.faces), 2 * std::uint64_t{o_.triangles.size()}, "each side once");
 }
 
 Status ContentVerifier::source() const {
@@ -121,21 +164,21 @@ Status ContentVerifier::source() const {
     if (triangles > o_.meta.source_triangles)
         return wrong("source", "triangles", number(triangles) + " triangles",
                      "at most meta.source_triangles, " + number(o_.meta.source_triangles));
-    for (std::size_t t = 0; t < triangles; ++t)
-        if (o_.source_triangle[t] >= o_.meta.source_triangles)
-            return wrong("source", "triangles", t, "", number(o_.source_triangle[t]),
-                         "a number below meta.source_triangles, " + number(o_.meta.source_triangles));
-    return Done{};
+    if (all_below(o_.source_triangle, o_.meta.source_triangles)) return Done{};
+    const auto at = std::max_element(o_.source_triangle.begin(), o_.source_triangle.end());
+    return wrong("source", "triangles", static_cast<std::size_t>(at - o_.source_triangle.begin()), "", number(*at),
+                 "a number below meta.source_triangles, " + number(o_.meta.source_triangles));
 }
 
-Status ContentVerifier::faces() const {
-    const std::uint64_t sides = 2 * std::uint64_t{o_.triangles.size()};
-    std::vector<bool> seen(sides, false);
-    for (std::size_t f = 0; f < o_.faces.size(); ++f) {
-        const std::uint32_t packed = o_.faces[f].packed;
-        if (packed >= sides) return wrong("mesh", "faces", f, "", number(packed), "a number below " + number(sides));
-        if (seen[packed]) return wrong("mesh", "faces", f, "", number(packed) + " again", "each side once");
-        seen[packed] = true;
+Status ContentVerifier::all_once(const char* section, const char* array, std::span<const std::uint32_t> values,
+                                 std::uint64_t limit, const char* rule) const {
+    if (all_different(values, limit)) return Done{};
+    std::vector<bool> seen(limit, false);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        if (values[i] >= limit)
+            return wrong(section, array, i, "", number(values[i]), "a number below " + number(limit));
+        if (seen[values[i]]) return wrong(section, array, i, "", number(values[i]) + " again", rule);
+        seen[values[i]] = true;
     }
     return Done{};
 }
@@ -279,13 +322,8 @@ Status ContentVerifier::hbv() const {
     if (o_.volume_triangles.size() != triangles)
         return wrong("hbv", "triangles", number(o_.volume_triangles.size()) + " numbers",
                      number(triangles) + ", one per triangle");
-    std::vector<bool> seen(triangles, false);
-    for (std::size_t i = 0; i < triangles; ++i) {
-        const std::uint32_t t = o_.volume_triangles[i];
-        if (t >= triangles) return wrong("hbv", "triangles", i, "", number(t), "a number below " + number(triangles));
-        if (seen[t]) return wrong("hbv", "triangles", i, "", number(t) + " again", "each triangle once");
-        seen[t] = true;
-    }
+    if (auto checked = all_once("hbv", "triangles", o_.volume_triangles, triangles, "each triangle once"); !checked)
+        return checked;
     if (o_.volumes[0].first != 0) return wrong("hbv", "volumes", 0, "first", number(o_.volumes[0].first), "0");
     if (o_.volumes[0].count != triangles)
         return wrong("hbv", "volumes", 0, "count", number(o_.volumes[0].count), "all " + number(triangles));

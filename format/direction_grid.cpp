@@ -131,19 +131,22 @@ DirectionGrid::DirectionGrid(GridMap map, std::uint32_t n) : map_(map), n_(n) {
     for (std::uint32_t row = 0; row < n; ++row)
         for (std::uint32_t column = 0; column < n; ++column)
             directions_.push_back(cell_at(map, {double(column), double(row)}, n).direction);
+}
 
-    solid_angles_.assign(size(), 0);
-    const auto points = n * kQuadraturePoints;
+std::vector<double> DirectionGrid::solid_angles() const {
+    std::vector<double> angles(size());
+    const auto points = n_ * kQuadraturePoints;
     const auto place = [](std::uint32_t i) { return (i + 0.5) / kQuadraturePoints - 0.5; };
     for (std::uint32_t j = 0; j < points; ++j)
         for (std::uint32_t i = 0; i < points; ++i) {
             const GridPoint at{place(i), place(j)};
-            const double density = cell_at(map, at, n).density;
-            const ExactTaps t = taps_at(map, at, n);
-            for (std::size_t k = 0; k < 4; ++k) solid_angles_[t.node[k]] += density * t.weight[k];
+            const double density = cell_at(map_, at, n_).density;
+            const ExactTaps t = taps_at(map_, at, n_);
+            for (std::size_t k = 0; k < 4; ++k) angles[t.node[k]] += density * t.weight[k];
         }
-    const double scale = 4 * kPi / std::accumulate(solid_angles_.begin(), solid_angles_.end(), 0.0);
-    for (double& angle : solid_angles_) angle *= scale;
+    const double scale = 4 * kPi / std::accumulate(angles.begin(), angles.end(), 0.0);
+    for (double& angle : angles) angle *= scale;
+    return angles;
 }
 
 DirectionTaps DirectionGrid::taps(const Vec3& w) const {

@@ -38,8 +38,9 @@ class DirectionGrid {
     /// Unit direction of a node, node = row * n + column.
     const Vec3& direction(std::uint32_t node) const { return directions_[node]; }
 
-    /// Solid angle that a node stands for (integral of its interpolation weight over the sphere), sr; sums to 4 pi.
-    double solid_angle(std::uint32_t node) const { return solid_angles_[node]; }
+    /// Solid angle that each node stands for (integral of its interpolation weight over the sphere), sr; they sum to
+    /// 4 pi. Computed anew by quadrature over 256 D points. [D]
+    std::vector<double> solid_angles() const;
 
     /// Taps of bivariate interpolation; `w` need not be unit but must not be 0.
     DirectionTaps taps(const Vec3& w) const;
@@ -56,8 +57,7 @@ class DirectionGrid {
   private:
     GridMap map_;
     std::uint32_t n_;
-    std::vector<Vec3> directions_;      // [D]
-    std::vector<double> solid_angles_;  // [D]
+    std::vector<Vec3> directions_;  // [D]
 };
 
 }  // namespace rro

@@ -40,9 +40,10 @@ DirectionGrid grid_of(const CompiledObject& object) {
 
 double mean_root_area(const CompiledObject& object) {
     const DirectionGrid grid = grid_of(object);
+    const std::vector<double> angles = grid.solid_angles();
     double mean = 0;
     for (std::uint32_t d = 0; d < grid.size(); ++d)
-        mean += area_value(object, 0, d) * grid.solid_angle(d) / (4 * std::numbers::pi);
+        mean += area_value(object, 0, d) * angles[d] / (4 * std::numbers::pi);
     return mean;
 }
 
