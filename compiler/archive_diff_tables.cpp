@@ -67,10 +67,10 @@ double mean_over(const DirectionGrid& grid, const AreaTables& tables, std::size_
     return mean;
 }
 
-double rms_over(const DirectionGrid& grid, const AreaTables& a, const AreaTables& b, std::size_t row) {
-    const std::vector<double> angles = grid.solid_angles();
+/// angles   solid angles of the nodes
+double rms_over(std::span<const double> angles, const AreaTables& a, const AreaTables& b, std::size_t row) {
     double square = 0;
-    for (std::uint32_t d = 0; d < grid.size(); ++d) {
+    for (std::uint32_t d = 0; d < angles.size(); ++d) {
         const double change = b.value(row, d) - a.value(row, d);
         square += change * change * angles[d] / kSphere;
     }
@@ -87,7 +87,7 @@ void add_spread(const DirectionGrid& grid, const AreaTables& a, const AreaTables
     const auto change_at = [&](std::uint32_t d) { return b.value(0, d) - a.value(0, d); };
     for (std::uint32_t d = 1; d < grid.size(); ++d)
         if (std::abs(change_at(d)) > std::abs(change_at(where))) where = d;
-    const double rms = rms_over(grid, a, b, 0), largest = change_at(where);
+    const double rms = rms_over(grid.solid_angles(), a, b, 0), largest = change_at(where);
     const Vec3& w = grid.direction(where);
     change.more.insert(change.more.end(), {{"rms", rms},
                                            {"rms_relative", mean > 0 ? DiffValue(rms / mean) : DiffValue()},
@@ -125,6 +125,7 @@ void compare_root(const Archive& a, const Archive& b, bool whole, Changes& out) 
 void compare_clusters(const Archive& a, const Archive& b, bool whole, Changes& out) {
     const ObjectData& da = a.data();
     const AreaTables before = tables_of(da, whole), after = tables_of(b.data(), whole);
+    const std::vector<double> angles = a.grid().solid_angles();
     std::uint64_t count = 0;
     double largest = 0;
     std::uint32_t where = 0;
@@ -132,7 +133,7 @@ void compare_clusters(const Archive& a, const Archive& b, bool whole, Changes& o
         const Cluster& cluster = da.clusters[da.area_clusters[row]];
         if (da.area_clusters[row] == 0 || before.same_row(after, row)) continue;
         ++count;
-        const double rms = rms_over(a.grid(), before, after, row);
+        const double rms = rms_over(angles, before, after, row);
         if (const double relative = cluster.area > 0 ? rms / static_cast<double>(cluster.area) : 0;
             relative > largest) {
             largest = relative;
@@ -189,12 +190,25 @@ void compare_visibility(const Archive& a, const Archive& b, const TreeMatch& tre
                        " over surface and directions (0: hidden, 1: seen)"});
 }
 
+/// The measured error of one kind of table for the object as a whole.
+void compare_error(const char* kind, const std::string& what, std::span<const float> before,
+                   std::span<const float> after, Changes& out) {
+    if (before.empty() || after.empty() || before[0] == after[0]) return;
+    const auto from = static_cast<double>(before[0]), to = static_cast<double>(after[0]);
+    out.push_back({"tables", kind, what, from, to, {},
+                   what + " between the grid's directions: " + number(100 * from, 3) + " -> " + number(100 * to, 3) + " %"});
+}
+
 }  // namespace
 
 void compare_tables(const Archive& a, const Archive& b, const TreeMatch& trees, Changes& out) {
     const ObjectData &da = a.data(), &db = b.data();
     compare_settings(da, db, out);
     for (const bool whole : {true, false}) compare_root(a, b, whole, out);
+    compare_error("whole_area_error", "error of the effective area", da.whole_area_error, db.whole_area_error, out);
+    compare_error("intrinsic_area_error", "error of the intrinsic area", da.intrinsic_area_error, db.intrinsic_area_error,
+                  out);
+    compare_error("visibility_error", "error of the patches' seen areas", da.visibility_error, db.visibility_error, out);
     if (!same_grid(da.meta, db.meta)) return;
     if (trees.same_clusters && std::ranges::equal(da.area_clusters, db.area_clusters))
         for (const bool whole : {true, false}) compare_clusters(a, b, whole, out);
