@@ -1,0 +1,118 @@
+// write_seeds CORPUS FOLDER: what the fuzzers start from, one folder per target in FOLDER. Archives and sections are made
+// here, by the writer of this very build, so that no seed is of yesterday's format; meshes and manifests are files of
+// CORPUS, to which the binary mesh formats come.
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "format/archive_reader.h"
+#include "format/archive_writer.h"
+#include "format/layout.h"
+#include "tests/fuzz/mesh_input.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/support/tiny_object.h"
+
+namespace {
+
+using namespace rro;
+namespace fs = std::filesystem;
+
+void write(const fs::path& file, std::string_view content) {
+    fs::create_directories(file.parent_path());
+    std::ofstream(file, std::ios::binary) << content;
+}
+
+std::string text_of(std::span<const std::byte> bytes) {
+    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+/// The box as it is, without what is optional, and far from its own zero.
+std::vector<ObjectData> objects() {
+    static const test::TinyObject box = test::tiny_object(2), far_away = test::tiny_object(3, {1e6, 0, -1e6});
+    static test::TinyObject bare = test::tiny_object(2);
+    bare.volumes.clear();
+    bare.volume_triangles.clear();
+    bare.area_clusters.clear();
+    bare.whole_area.clear();
+    bare.whole_area_scale.clear();
+    bare.intrinsic_area.clear();
+    bare.intrinsic_area_scale.clear();
+    bare.visibility.clear();
+    return {box.data(), far_away.data(), bare.data()};
+}
+
+/// The archives, and each of their known sections behind the number of its kind.
+void write_archives(const fs::path& folder) {
+    int number = 0;
+    for (const ObjectData& object : objects()) {
+        const std::string name = "box" + std::to_string(number++);
+        const auto bytes = encode_archive(object);
+        if (!bytes) continue;
+        write(folder / "archive_fuzz" / name, text_of(*bytes));
+        const auto archive = Archive::from_bytes(*bytes, name);
+        for (std::size_t kind = 0; archive && kind < layout::kSections.size(); ++kind) {
+            const std::string section(layout::kSections[kind].name);
+            if (const auto content = archive->section(section))
+                write(folder / "section_fuzz" / (name + "." + section),
+                      std::string(1, static_cast<char>(kind)) + text_of(*content));
+        }
+    }
+}
+
+template <class Number, std::size_t count>
+std::string raw(const std::array<Number, count>& numbers) {
+    return text_of(std::as_bytes(std::span(numbers)));
+}
+
+constexpr std::array<float, 9> kTriangle{0, 0, 0, 1, 0, 0, 0, 1, 0};
+
+std::string binary_stl() {
+    return std::string(80, ' ') + raw(std::array<std::uint32_t, 1>{1}) + std::string(12, '\0') + raw(kTriangle) +
+           std::string(2, '\0');
+}
+
+std::string binary_ply() {
+    return "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+           "property float z\nelement face 1\nproperty list uchar int vertex_index\nend_header\n" +
+           raw(kTriangle) + "\3" + raw(std::array<std::int32_t, 3>{0, 1, 2});
+}
+
+std::string gltf_parts() {
+    return R"({"asset":{"version":"2.0"},"nodes":[{"mesh":0}],)"
+           R"("meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],"buffers":[{"byteLength":48}],)"
+           R"("bufferViews":[{"buffer":0,"byteLength":36},{"buffer":0,"byteOffset":36,"byteLength":12}],)"
+           R"("accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"},)"
+           R"({"bufferView":1,"componentType":5125,"count":3,"type":"SCALAR"}]})" +
+           std::string(1, '\0') + raw(kTriangle) + raw(std::array<std::uint32_t, 3>{0, 1, 2});
+}
+
+/// Mesh files behind the byte that names their format, the ending.
+void write_meshes(const fs::path& corpus, const fs::path& folder) {
+    const auto add = [&](const fs::path& name, const std::string& content) {
+        for (std::size_t format = 0; format < fuzz::kMeshFormats.size(); ++format)
+            if (name.extension() == "." + std::string(fuzz::kMeshFormats[format]))
+                write(folder / name, fuzz::first_byte(format) + content);
+    };
+    for (const auto& file : fs::directory_iterator(corpus)) add(file.path().filename(), test::file_text(file.path()));
+    add("binary.stl", binary_stl());
+    add("binary.ply", binary_ply());
+    add("triangle.parts", gltf_parts());
+    add("triangle.glb", fuzz::glb_of(gltf_parts()));
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+    if (count != 3) {
+        std::fprintf(stderr, "usage: write_seeds CORPUS FOLDER\n");
+        return 2;
+    }
+    const fs::path corpus = arguments[1], folder = arguments[2];
+    write_archives(folder);
+    write_meshes(corpus / "mesh_fuzz", folder / "mesh_fuzz");
+    for (const auto& file : fs::directory_iterator(corpus / "manifest_fuzz"))
+        write(folder / "manifest_fuzz" / file.path().filename(), test::file_text(file.path()));
+    return 0;
+}
