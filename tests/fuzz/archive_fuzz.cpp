@@ -1,6 +1,5 @@
 // Whole archives: what Archive lets pass must be readable, in every section and through every view, and its indices
 // must lead somewhere.
-#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -91,20 +90,15 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     return 0;
 }
 
-extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, std::size_t most);
-
 extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::size_t most, unsigned seed) {
-    const auto changed =
-        rro::fuzz::mutate_archive(std::as_bytes(std::span(data, size)), most, seed, LLVMFuzzerMutate);
-    std::copy(changed.begin(), changed.end(), reinterpret_cast<std::byte*>(data));
-    return changed.size();
+    const auto changed = fuzz::mutate_archive(std::as_bytes(std::span(data, size)), most, seed, LLVMFuzzerMutate);
+    return fuzz::hand_over(changed, data, most);
 }
 
 extern "C" std::size_t LLVMFuzzerCustomCrossOver(const std::uint8_t* a, std::size_t a_size, const std::uint8_t* b,
                                                  std::size_t b_size, std::uint8_t* out, std::size_t most,
                                                  unsigned seed) {
-    const auto crossed = rro::fuzz::cross_archives(std::as_bytes(std::span(a, a_size)),
-                                                   std::as_bytes(std::span(b, b_size)), most, seed);
-    std::copy(crossed.begin(), crossed.end(), reinterpret_cast<std::byte*>(out));
-    return crossed.size();
+    const auto crossed =
+        fuzz::cross_archives(std::as_bytes(std::span(a, a_size)), std::as_bytes(std::span(b, b_size)), seed);
+    return fuzz::hand_over(crossed, out, most);
 }

@@ -156,11 +156,6 @@ void mutate_section(std::vector<Section>& sections, Random& random, Mutate mutat
     mutate_bytes(section.content, section.content.size() + growth, mutate);
 }
 
-Bytes fitting(Bytes archive, std::size_t most) {
-    if (archive.size() > most) archive.clear();
-    return archive;
-}
-
 }  // namespace
 
 Bytes mutate_archive(std::span<const std::byte> archive, std::size_t most, unsigned seed, Mutate mutate) {
@@ -170,7 +165,7 @@ Bytes mutate_archive(std::span<const std::byte> archive, std::size_t most, unsig
         auto sections = take_apart(archive, *directory);
         if (!sections.empty()) {
             mutate_section(sections, random, mutate);
-            return fitting(put_together(directory->header, sections), most);
+            return put_together(directory->header, sections);
         }
     }
     Bytes changed(archive.begin(), archive.end());
@@ -179,7 +174,7 @@ Bytes mutate_archive(std::span<const std::byte> archive, std::size_t most, unsig
     return changed;
 }
 
-Bytes cross_archives(std::span<const std::byte> a, std::span<const std::byte> b, std::size_t most, unsigned seed) {
+Bytes cross_archives(std::span<const std::byte> a, std::span<const std::byte> b, unsigned seed) {
     Random random(seed);
     const auto first = find_directory(a), second = find_directory(b);
     if (!first || !second) return {};
@@ -193,7 +188,7 @@ Bytes cross_archives(std::span<const std::byte> a, std::span<const std::byte> b,
         *same = std::move(other);
     else
         sections.push_back(std::move(other));
-    return fitting(put_together(first->header, sections), most);
+    return put_together(first->header, sections);
 }
 
 }  // namespace rro::fuzz

@@ -3,6 +3,7 @@
 #include <fstream>
 
 #include "solver/scene/manifest.h"
+#include "tests/fuzz/json_mutator.h"
 #include "tests/fuzz/reading.h"
 #include "tests/support/temporary_folder.h"
 
@@ -39,4 +40,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
                                                                   static_cast<std::streamsize>(size));
     if (const auto manifest = read_manifest(file)) check_manifest(*manifest);
     return 0;
+}
+
+extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::size_t most, unsigned seed) {
+    constexpr unsigned plain_one_in = 4;  // changes bytes, and so mostly what JSON is
+    if (seed % plain_one_in != 0)
+        if (const auto changed =
+                fuzz::mutate_json({reinterpret_cast<const char*>(data), size}, seed, LLVMFuzzerMutate))
+            if (const std::size_t changed_size = fuzz::hand_over(*changed, data, most)) return changed_size;
+    return LLVMFuzzerMutate(data, size, most);
 }

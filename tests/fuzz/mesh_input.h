@@ -1,6 +1,7 @@
 // What mesh_fuzz takes: a byte that chooses the format, then the file.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <string>
 #include <string_view>
@@ -8,8 +9,9 @@
 namespace rro::fuzz {
 
 /// By the number that the first byte gives (taken modulo their count; '0' gives the first).
-inline constexpr std::array<std::string_view, 7> kMeshFormats{
+inline constexpr std::array<std::string_view, 8> kMeshFormats{
     "obj", "ply", "off", "stl", "gltf", "glb",
+    "mtl",    // the material file of an OBJ
     "parts",  // JSON up to a NUL, then the binary chunk: made into a GLB with lengths that are right
 };
 

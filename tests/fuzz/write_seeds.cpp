@@ -6,6 +6,13 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <utility>
+#include <vector>
+
+#define STB_IMAGE_WRITE_IMPLEMENTATION
+#define STB_IMAGE_WRITE_STATIC
+#define STBI_WRITE_NO_STDIO
+#include <stb/stb_image_write.h>
 
 #include "format/archive_reader.h"
 #include "format/archive_writer.h"
@@ -88,6 +95,36 @@ std::string gltf_parts() {
            std::string(1, '\0') + raw(kTriangle) + raw(std::array<std::uint32_t, 3>{0, 1, 2});
 }
 
+/// A triangle with texture coordinates, and its texture in a buffer view of its own.
+std::string textured_parts(const std::string& image) {
+    const std::string bytes = std::to_string(image.size());
+    return R"({"asset":{"version":"2.0"},"nodes":[{"mesh":0}],)"
+           R"("meshes":[{"primitives":[{"attributes":{"POSITION":0,"TEXCOORD_0":1},"material":0}]}],)"
+           R"("materials":[{"pbrMetallicRoughness":{"baseColorTexture":{"index":0}}}],"textures":[{"source":0}],)"
+           R"("images":[{"bufferView":1,"mimeType":"image/png"}],"buffers":[{"byteLength":)" +
+           std::to_string(36 + image.size()) + R"(}],"bufferViews":[{"buffer":0,"byteLength":36},)" +
+           R"({"buffer":0,"byteOffset":36,"byteLength":)" + bytes +
+           R"(}],"accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"},)"
+           R"({"bufferView":0,"componentType":5126,"count":3,"type":"VEC2"}]})" +
+           std::string(1, '\0') + raw(kTriangle) + image;
+}
+
+/// A small picture in each format that textures come in.
+std::vector<std::pair<std::string, std::string>> pictures() {
+    constexpr int width = 5, height = 3;
+    std::array<std::uint8_t, width * height * 3> rgb;
+    for (std::size_t i = 0; i < rgb.size(); ++i) rgb[i] = static_cast<std::uint8_t>(17 * i);
+    std::string png, jpg, bmp, tga;
+    const auto append = [](void* file, void* data, int size) {
+        static_cast<std::string*>(file)->append(static_cast<const char*>(data), static_cast<std::size_t>(size));
+    };
+    stbi_write_png_to_func(append, &png, width, height, 3, rgb.data(), 3 * width);
+    stbi_write_jpg_to_func(append, &jpg, width, height, 3, rgb.data(), 50);
+    stbi_write_bmp_to_func(append, &bmp, width, height, 3, rgb.data());
+    stbi_write_tga_to_func(append, &tga, width, height, 3, rgb.data());
+    return {{"png", png}, {"jpg", jpg}, {"bmp", bmp}, {"tga", tga}};
+}
+
 /// Mesh files behind the byte that names their format, the ending.
 void write_meshes(const fs::path& corpus, const fs::path& folder) {
     const auto add = [&](const fs::path& name, const std::string& content) {
@@ -99,6 +136,7 @@ void write_meshes(const fs::path& corpus, const fs::path& folder) {
     add("binary.stl", binary_stl());
     add("binary.ply", binary_ply());
     add("triangle.parts", gltf_parts());
+    for (const auto& [name, image] : pictures()) add(name + ".parts", textured_parts(image));
     add("triangle.glb", fuzz::glb_of(gltf_parts()));
 }
 
