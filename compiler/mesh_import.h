@@ -20,7 +20,7 @@ struct ImportLimits {
     std::uint64_t json_values = std::uint64_t{1} << 21;     // of a glTF document; the library takes up to 2 kB for one
     std::uint64_t image_pixels = std::uint64_t{1} << 26;    // of a texture: 8192 x 8192
     std::uint64_t texture_pixels = std::uint64_t{1} << 28;  // of all textures together, 3 bytes each
-    std::uint64_t polygon_steps = std::uint64_t{1} << 33;   // comparisons of corners while polygons are cut up
+    std::uint64_t polygon_steps = std::uint64_t{1} << 31;   // comparisons of corners while polygons are cut up
 };
 
 struct ImportOptions {
