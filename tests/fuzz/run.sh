@@ -28,7 +28,7 @@ here=tests/fuzz
 work=build/fuzz/fuzzing
 mkdir -p "$work/findings"
 rm -rf "$work/seeds"
-build/fuzz/bin/write_seeds "$here/corpus" "$work/seeds"
+build/fuzz/bin/write_seeds tests "$work/seeds"
 
 # Files that targets write for a parser live in memory.
 TMPDIR=$(mktemp --directory --tmpdir="$([ -d /dev/shm ] && echo /dev/shm || echo "${TMPDIR:-/tmp}")" rro-fuzz-XXXXXX)

@@ -1,6 +1,7 @@
-// write_seeds CORPUS FOLDER: what the fuzzers start from, one folder per target in FOLDER. Archives and sections are made
-// here, by the writer of this very build, so that no seed is of yesterday's format; meshes and manifests are files of
-// CORPUS, to which the binary mesh formats come.
+// write_seeds TESTS FOLDER: what the fuzzers start from, one folder per target in FOLDER. Archives and sections are made
+// here, by the writer of this very build, so that no seed is of yesterday's format, and taken from the tests' goldens and
+// bad archives; meshes and manifests are files of fuzz/corpus, to which the binary mesh formats come. TESTS is the
+// folder of all tests.
 #include <array>
 #include <cstdio>
 #include <filesystem>
@@ -47,10 +48,14 @@ std::vector<ObjectData> objects() {
     bare.intrinsic_area.clear();
     bare.intrinsic_area_scale.clear();
     bare.visibility.clear();
+    bare.error_directions = 0;
+    bare.whole_area_error.clear();
+    bare.intrinsic_area_error.clear();
+    bare.visibility_error.clear();
     return {box.data(), far_away.data(), bare.data()};
 }
 
-/// The archives, and each of their known sections behind the number of its kind.
+/// Archives of this build, with each of their known sections behind the number of its kind.
 void write_archives(const fs::path& folder) {
     int number = 0;
     for (const ObjectData& object : objects()) {
@@ -66,6 +71,15 @@ void write_archives(const fs::path& folder) {
                       std::string(1, static_cast<char>(kind)) + text_of(*content));
         }
     }
+}
+
+/// Archives of the tests: good ones of every version, bad ones named by their fault.
+void copy_archives(const fs::path& tests, const fs::path& folder) {
+    for (const char* kind : {"golden", "corrupt"})
+        for (const auto& file : fs::recursive_directory_iterator(tests / kind))
+            if (file.path().extension() == ".rro")
+                write(folder / "archive_fuzz" / (std::string(kind) + "." + file.path().stem().string()),
+                      test::file_text(file.path()));
 }
 
 template <class Number, std::size_t count>
@@ -144,11 +158,12 @@ void write_meshes(const fs::path& corpus, const fs::path& folder) {
 
 int main(int count, char** arguments) {
     if (count != 3) {
-        std::fprintf(stderr, "usage: write_seeds CORPUS FOLDER\n");
+        std::fprintf(stderr, "usage: write_seeds TESTS FOLDER\n");
         return 2;
     }
-    const fs::path corpus = arguments[1], folder = arguments[2];
+    const fs::path tests = arguments[1], corpus = tests / "fuzz/corpus", folder = arguments[2];
     write_archives(folder);
+    copy_archives(tests, folder);
     write_meshes(corpus / "mesh_fuzz", folder / "mesh_fuzz");
     for (const auto& file : fs::directory_iterator(corpus / "manifest_fuzz"))
         write(folder / "manifest_fuzz" / file.path().filename(), test::file_text(file.path()));
