@@ -131,7 +131,8 @@ Result<Manifest> read_manifest(const std::filesystem::path& path) {
     const std::string name = path.string();
     auto document = read_json(path);
     if (!document) return document.error();
-    if (auto fits = check_schema(*document, scene_schema, name); !fits) return fits.error();
+    static const JsonSchema schema(scene_schema);
+    if (auto fits = schema.check(*document, name); !fits) return fits.error();
     if (auto supported = refuse_unsupported(*document, name); !supported) return supported.error();
 
     Manifest manifest;
