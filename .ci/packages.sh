@@ -1,8 +1,12 @@
-# What the build, the tests and the samples need on Debian 12 (bookworm). Sourced by samples/quickstart.sh and tests/run.sh.
+# What the build, the tests and the samples need on Debian 12 (bookworm). Sourced by samples/quickstart.sh,
+# tests/run.sh and tests/fuzz/run.sh.
 
 RRO_PACKAGES=(cmake ninja-build g++ libembree-dev libopenmesh-dev catch2 nlohmann-json3-dev libcli11-dev libvalijson-dev
               libtinygltf-dev libtinyobjloader-dev libtbb-dev libopenexr-dev libpng-dev zlib1g-dev libssl-dev libstb-dev
               flatbuffers-compiler python3)
+
+# Besides, for tests/fuzz/run.sh alone.
+RRO_FUZZ_PACKAGES=(clang libclang-rt-14-dev)
 
 as_root() {
     if [ "$(id -u)" -eq 0 ]; then "$@"; else sudo "$@"; fi

@@ -1,7 +1,9 @@
 // glTF 2.0 and GLB. tinygltf parses; every number that becomes an index or an offset is checked here.
 #include <tiny_gltf.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <set>
 
@@ -49,6 +51,42 @@ bool keep_image(tinygltf::Image* image, const int, std::string*, std::string*, i
     if (image->bufferView < 0) image->image.assign(bytes, bytes + size);
     image->as_is = true;
     return true;
+}
+
+/// The document of a GLB (its first chunk), or the text itself.
+std::string_view json_of(std::string_view bytes) {
+    constexpr std::size_t length_at = 12, json_at = 20;
+    if (!bytes.starts_with("glTF") || bytes.size() < json_at) return bytes;
+    std::uint32_t length = 0;
+    std::memcpy(&length, bytes.data() + length_at, sizeof length);
+    return bytes.substr(json_at, length);
+}
+
+/// How deep the document is and how much is in it, before the library makes values of it: it goes down on the stack, and
+/// takes up to 2 kB for the three bytes of an empty material.
+Status check_extent(std::string_view json, const ImportLimits& limits, const std::filesystem::path& path) {
+    constexpr std::size_t deepest = 256;
+    std::size_t depth = 0;
+    std::uint64_t values = 0;
+    bool in_text = false;
+    for (std::size_t i = 0; i < json.size(); ++i) {
+        const char c = json[i];
+        if (in_text) {
+            if (c == '\\') ++i;  // what follows ends no text
+            in_text = c != '"';
+            continue;
+        }
+        in_text = c == '"';
+        const bool opens = c == '{' || c == '[';
+        if (opens && ++depth > deepest)
+            return bad_input(at_byte(path, i), "nested deeper than " + std::to_string(deepest) + " levels");
+        if ((c == '}' || c == ']') && depth > 0) --depth;
+        if ((opens || c == ',') && ++values > limits.json_values)
+            return bad_input(at_byte(path, i),
+                             "more than " + std::to_string(limits.json_values) + " values in one document",
+                             "split the mesh into several objects, or save it with its data in a binary buffer");
+    }
+    return Done{};
 }
 
 Affine3 node_transform(const tinygltf::Node& node) {
@@ -103,7 +141,7 @@ struct PrimitiveData {
 class GltfReader {
   public:
     GltfReader(const std::filesystem::path& path, SourceFiles& files)
-        : path_(path), files_(files), materials_(model_, path, mesh_) {}
+        : path_(path), files_(files), materials_(model_, path, files.limits(), mesh_) {}
 
     Result<SourceMesh> read(std::string_view bytes);
 
@@ -126,10 +164,12 @@ class GltfReader {
     SourceMesh mesh_;
     GltfMaterials materials_;
     std::set<std::string> warned_;
+    std::uint64_t primitives_met_ = 0;
 };
 
 Status GltfReader::parse(std::string_view bytes) {
     if (bytes.size() > std::numeric_limits<int>::max()) return bad_input(path_.string(), "larger than 2 GiB");
+    if (auto checked = check_extent(json_of(bytes), files_.limits(), path_); !checked) return checked;
     tinygltf::TinyGLTF loader;
     Folder folder{path_.parent_path(), &files_};
     tinygltf::FsCallbacks calls{};
@@ -234,6 +274,9 @@ Status GltfReader::add_mesh(int number, const Affine3& transform, const std::str
                          "mesh " + std::to_string(number) + ", but there are " + std::to_string(model_.meshes.size()));
     const auto& primitives = model_.meshes[static_cast<std::size_t>(number)].primitives;
     for (std::size_t i = 0; i < primitives.size(); ++i) {
+        if (++primitives_met_ > files_.limits().json_values)
+            return bad_input(where, "more than " + std::to_string(files_.limits().json_values) +
+                                        " primitives, counted as often as nodes use them");
         const std::string pointer = "/meshes/" + std::to_string(number) + "/primitives/" + std::to_string(i);
         if (auto added = add_primitive(primitives[i], transform, place(pointer)); !added) return added;
     }
@@ -250,30 +293,34 @@ Result<PrimitiveData> GltfReader::load(const tinygltf::Primitive& primitive, con
     if (!material) return material.error();
     data.material = *material;
     if (attribute("POSITION") < 0) return bad_input(where, "a primitive without POSITION");
-    auto positions = gltf_values(model_, attribute("POSITION"), 3, where);
+    const std::uint64_t most = files_.limits().corners;
+    auto positions = gltf_values(model_, attribute("POSITION"), 3, most, where);
     if (!positions) return positions.error();
     data.positions = *std::move(positions);
+    const std::size_t vertices = data.positions.size() / 3;
     if (primitive.indices >= 0) {
-        auto indices = gltf_values(model_, primitive.indices, 1, where);
+        auto indices = gltf_values(model_, primitive.indices, 1, most, where);
         if (!indices) return indices.error();
         data.order = *std::move(indices);
     } else {
-        for (std::size_t i = 0; i < data.positions.size() / 3; ++i) data.order.push_back(static_cast<double>(i));
+        for (std::size_t i = 0; i < vertices; ++i) data.order.push_back(static_cast<double>(i));
     }
     const int uvs = attribute("TEXCOORD_" + std::to_string(materials_.uv_set(data.material)));
     if (uvs >= 0 && mesh_.materials[data.material].texture) {
-        auto values = gltf_values(model_, uvs, 2, where);
+        auto values = gltf_values(model_, uvs, 2, vertices, where);
         if (!values) return values.error();
         data.uvs = *std::move(values);
     }
     if (const int colours = attribute("COLOR_0"); colours >= 0) {
-        auto values = gltf_values(model_, colours, 3, where);
+        auto values = gltf_values(model_, colours, 3, vertices, where);
         if (!values) {
-            values = gltf_values(model_, colours, 4, where);
+            values = gltf_values(model_, colours, 4, vertices, where);
             data.channels = 4;
         }
         if (!values) return values.error();
         data.colours = *std::move(values);
+        if (!std::all_of(data.colours.begin(), data.colours.end(), [](double c) { return std::isfinite(c); }))
+            return bad_input(where, "a vertex colour that is not a finite number");
     }
     return data;
 }
@@ -289,6 +336,9 @@ Status GltfReader::add_primitive(const tinygltf::Primitive& primitive, const Aff
     const auto data = load(primitive, where);
     if (!data) return data.error();
     const std::vector<double>& p = data->positions;
+    const std::size_t triangles = data->order.size() / (mode == TINYGLTF_MODE_TRIANGLES ? 3 : 1);  // or two less
+    if (is_too_large(mesh_, files_.limits(), std::max(p.size() / 3, 3 * triangles)))
+        return too_large(where, files_.limits());
     const auto first = static_cast<std::uint32_t>(mesh_.positions.size());
     for (std::size_t i = 0; i + 2 < p.size(); i += 3)
         mesh_.positions.push_back(transform.point({p[i], p[i + 1], p[i + 2]}));

@@ -79,7 +79,7 @@ Status apply_sparse(const tinygltf::Model& model, const tinygltf::Accessor& acce
     const auto& sparse = accessor.sparse;
     const std::size_t index_bytes = component_bytes(sparse.indices.componentType);
     const std::size_t value_bytes = component_bytes(accessor.componentType);
-    if (sparse.count < 0 || sparse.indices.byteOffset < 0 || sparse.values.byteOffset < 0 || index_bytes == 0)
+    if (sparse.count < 0 || static_cast<std::size_t>(sparse.count) > accessor.count || sparse.indices.byteOffset < 0 || sparse.values.byteOffset < 0 || index_bytes == 0)
         return bad_input(where, "a broken sparse accessor");
     const auto count = static_cast<std::size_t>(sparse.count);
     const auto indices = elements(model, sparse.indices.bufferView, static_cast<std::size_t>(sparse.indices.byteOffset),
@@ -117,7 +117,8 @@ Result<GltfBytes> gltf_view_bytes(const tinygltf::Model& model, int view, const 
     return GltfBytes{data.data() + found.byteOffset, found.byteLength};
 }
 
-Result<std::vector<double>> gltf_values(const tinygltf::Model& model, int number, int width, const std::string& where) {
+Result<std::vector<double>> gltf_values(const tinygltf::Model& model, int number, int width,
+                                        std::uint64_t most_elements, const std::string& where) {
     if (number < 0 || static_cast<std::size_t>(number) >= model.accessors.size())
         return bad_input(
             where, "accessor " + std::to_string(number) + ", but there are " + std::to_string(model.accessors.size()));
@@ -129,6 +130,9 @@ Result<std::vector<double>> gltf_values(const tinygltf::Model& model, int number
         return bad_input(place, "elements of " + std::to_string(found_width) + " components of type " +
                                     std::to_string(accessor.componentType) + ", expected " + std::to_string(width) +
                                     " of a known type");
+    if (accessor.count > most_elements)
+        return bad_input(place, std::to_string(accessor.count) + " elements, expected at most " +
+                                    std::to_string(most_elements));
     const auto columns = static_cast<std::size_t>(width);
     std::vector<double> values;
     if (accessor.bufferView >= 0) {
@@ -144,10 +148,7 @@ Result<std::vector<double>> gltf_values(const tinygltf::Model& model, int number
                 values.push_back(read_component(array->data + i * array->stride + c * bytes, accessor.componentType,
                                                 accessor.normalized));
     } else {
-        // Zeros, says glTF; a count without bytes behind it must not decide how much is allocated.
-        constexpr std::size_t most_zeros = std::size_t{1} << 24;
-        if (accessor.count > most_zeros) return bad_input(place, "too many elements without a buffer view");
-        values.assign(accessor.count * columns, 0.0);
+        values.assign(accessor.count * columns, 0.0);  // zeros, says glTF
     }
     if (accessor.sparse.isSparse)
         if (auto applied = apply_sparse(model, accessor, columns, place, values); !applied) return applied.error();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -26,9 +27,11 @@ Result<GltfBytes> gltf_view_bytes(const tinygltf::Model& model, int view, const 
 
 /// All values of an accessor as [count][width] doubles; normalised integers in [-1, 1]; sparse ones with their changes.
 ///
-/// width    numbers per element that are expected: 1 (SCALAR), 2 (VEC2) and so on
-/// errors   BadInput: no such accessor, another width, an unknown component type, or it ends behind its view
+/// width           numbers per element that are expected: 1 (SCALAR), 2 (VEC2) and so on
+/// most_elements   that are taken; elements may overlap, and need no bytes at all, so the file does not bound them
+/// errors          BadInput: no such accessor, another width, an unknown component type, too many elements, or it ends
+///                 behind its view
 Result<std::vector<double>> gltf_values(const tinygltf::Model& model, int accessor, int width,
-                                        const std::string& where);
+                                        std::uint64_t most_elements, const std::string& where);
 
 }  // namespace rro

@@ -11,6 +11,8 @@
 namespace rro {
 namespace {
 
+constexpr int most_uv_sets = 1024;  // of a primitive, whatever it is: TEXCOORD_n
+
 /// A number of an extension, or element `at` of an array of numbers; `otherwise` where it is absent or something else.
 double extension_number(const tinygltf::Value& extension, const std::string& key, double otherwise,
                         std::size_t at = 0) {
@@ -78,7 +80,7 @@ Status GltfMaterials::add_texture(const tinygltf::TextureInfo& info, SourceMater
     const auto image = decoded(texture.source);
     if (!image) {
         mesh_.warnings.push_back("material " + in_quotes(out.name) +
-                                 ": the texture cannot be read: the colour factor alone counts");
+                                 ": the texture cannot be read, or is too large: the colour factor alone counts");
         return Done{};
     }
     TextureUse use;
@@ -100,7 +102,8 @@ Status GltfMaterials::add_texture(const tinygltf::TextureInfo& info, SourceMater
         const double su = extension_number(value, "scale", 1, 0), sv = extension_number(value, "scale", 1, 1);
         use.to_u = {c * su, s * sv, extension_number(value, "offset", 0, 0)};
         use.to_v = {-s * su, c * sv, extension_number(value, "offset", 0, 1)};
-        uv_set = static_cast<int>(extension_number(value, "texCoord", uv_set));
+        const double set = extension_number(value, "texCoord", uv_set);
+        uv_set = set >= 0 && set <= most_uv_sets ? static_cast<int>(set) : -1;  // which no primitive has
     }
     out.texture = use;
     return Done{};
@@ -115,7 +118,7 @@ std::optional<std::uint32_t> GltfMaterials::decoded(int image) {
         const auto view = gltf_view_bytes(model_, source.bufferView, path_.string());
         bytes = view ? *view : GltfBytes{};
     }
-    auto texture = decode_texture({reinterpret_cast<const char*>(bytes.data), bytes.size});
+    auto texture = decode_texture({reinterpret_cast<const char*>(bytes.data), bytes.size}, pixels_left(mesh_, limits_));
     if (!texture) return std::nullopt;
     at->second = static_cast<std::uint32_t>(mesh_.textures.size());
     mesh_.textures.push_back(std::move(*texture));

@@ -20,9 +20,10 @@ namespace rro {
 
 class GltfMaterials {
   public:
-    /// All three must outlive this; materials, textures and warnings go to `mesh`.
-    GltfMaterials(const tinygltf::Model& model, const std::filesystem::path& path, SourceMesh& mesh)
-        : model_(model), path_(path), mesh_(mesh) {}
+    /// All four must outlive this; materials, textures and warnings go to `mesh`.
+    GltfMaterials(const tinygltf::Model& model, const std::filesystem::path& path, const ImportLimits& limits,
+                  SourceMesh& mesh)
+        : model_(model), path_(path), limits_(limits), mesh_(mesh) {}
 
     /// Our number of a glTF material (-1: none) that the primitive at `where` uses.
     ///
@@ -40,6 +41,7 @@ class GltfMaterials {
 
     const tinygltf::Model& model_;
     const std::filesystem::path& path_;
+    const ImportLimits& limits_;
     SourceMesh& mesh_;
     std::map<int, std::uint32_t> index_;                         // glTF material -> ours
     std::vector<int> uv_set_;                                    // [materials of ours]

@@ -28,6 +28,9 @@ constexpr double largest_extent = 1e15, smallest_extent = 1e-13;
 /// Distance from the origin over extent. Beyond it double coordinates resolve a shape to less than 1 in 10,000.
 constexpr double largest_distance = 1e11;
 
+/// Files that one mesh may consist of: far more than any has, and few enough to look one up among them.
+constexpr std::uint64_t most_reads = 4096;
+
 Result<SourceMesh> read_source(const std::filesystem::path& path, SourceFiles& files) {
     std::string ending = path.extension().string();
     for (char& c : ending)
@@ -44,10 +47,15 @@ Result<SourceMesh> read_source(const std::filesystem::path& path, SourceFiles& f
     constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";
     if (bytes.starts_with(byte_order_mark)) bytes.remove_prefix(byte_order_mark.size());
     if (ending == ".obj") return read_obj(path, bytes, files);
-    if (ending == ".ply") return read_ply(path, bytes);
-    if (ending == ".stl") return read_stl(path, bytes);
-    if (ending == ".off") return read_off(path, bytes);
+    if (ending == ".ply") return read_ply(path, bytes, files.limits());
+    if (ending == ".stl") return read_stl(path, bytes, files.limits());
+    if (ending == ".off") return read_off(path, bytes, files.limits());
     return read_gltf(path, bytes, files);
+}
+
+std::string place_of_face(const SourceMesh& source, std::size_t face, const std::filesystem::path& path) {
+    return source.face_line.empty() ? path.string() + ": face " + std::to_string(face)
+                                    : at_line(path, source.face_line[face]);
 }
 
 Status check_indices(const SourceMesh& source, const std::filesystem::path& path) {
@@ -55,8 +63,7 @@ Status check_indices(const SourceMesh& source, const std::filesystem::path& path
     for (std::size_t face = 0; face < source.face_end.size(); ++face)
         for (; corner < source.face_end[face]; ++corner)
             if (source.corners[corner] >= source.positions.size())
-                return bad_input(source.face_line.empty() ? path.string() + ": face " + std::to_string(face)
-                                                          : at_line(path, source.face_line[face]),
+                return bad_input(place_of_face(source, face, path),
                                  "index " + std::to_string(source.corners[corner]) + " counted from 0, but there are " +
                                      std::to_string(source.positions.size()) + " vertices");
     return Done{};
@@ -77,7 +84,9 @@ struct KeptTriangle {
 };
 
 /// All triangles whose corners are finite; counts the others.
-std::vector<KeptTriangle> finite_triangles(const SourceMesh& source, ImportReport& report) {
+Result<std::vector<KeptTriangle>> finite_triangles(const SourceMesh& source, const std::filesystem::path& path,
+                                                   const ImportLimits& limits, ImportReport& report) {
+    std::uint64_t steps = limits.polygon_steps;
     std::vector<KeptTriangle> kept;
     std::vector<Vec3> polygon;
     std::size_t short_faces = 0;
@@ -88,10 +97,15 @@ std::vector<KeptTriangle> finite_triangles(const SourceMesh& source, ImportRepor
         if (k < 3) continue;
         polygon.clear();
         for (std::uint32_t i = 0; i < k; ++i) polygon.push_back(source.positions[source.corners[first + i]]);
-        const PolygonTriangles cut = triangulate_polygon(polygon);
+        const auto cut = triangulate_polygon(polygon, steps);
+        if (!cut)
+            return bad_input(place_of_face(source, face, path),
+                             "found a face of " + std::to_string(k) +
+                                 " corners, not convex, that would take too long to cut into triangles",
+                             "triangulate the mesh in the program that wrote it");
         report.polygons_triangulated += k > 3 ? 1 : 0;
-        report.polygons_ear_clipped += cut.ear_clipped ? 1 : 0;
-        for (const auto& [a, b, c] : cut.triangles) {
+        report.polygons_ear_clipped += cut->ear_clipped ? 1 : 0;
+        for (const auto& [a, b, c] : cut->triangles) {
             const std::uint32_t number = report.source_triangles++;
             if (is_finite(polygon[a]) && is_finite(polygon[b]) && is_finite(polygon[c]))
                 kept.push_back({{first + a, first + b, first + c}, face, number});
@@ -247,7 +261,9 @@ void fill_colours(const SourceMesh& source, const std::vector<KeptTriangle>& tri
         const bool textured = material.texture || !source.colours.empty();
         const Vec3 whole =
             material.texture ? hadamard(base[m], source.textures[material.texture->texture].mean) : base[m];
-        Vec3 reflectance = textured && sums[m].area > 0 ? sums[m].colour / sums[m].area : clamped(whole, sums[m].above);
+        bool by_rounding = false;  // that the mean is above what it is the mean of
+        const Vec3 reflectance = textured && sums[m].area > 0 ? clamped(sums[m].colour / sums[m].area, by_rounding)
+                                                              : clamped(whole, sums[m].above);
         mesh.materials.push_back({material.name, reflectance, material.exitance, textured});
         report.reflectance_clamped += sums[m].above ? 1 : 0;
     }
@@ -263,14 +279,34 @@ Error nothing_left(const std::filesystem::path& path, const ImportReport& report
 
 }  // namespace
 
+std::uint64_t pixels_left(const SourceMesh& mesh, const ImportLimits& limits) {
+    std::uint64_t used = 0;
+    for (const Texture& texture : mesh.textures) used += std::uint64_t{texture.width} * texture.height;
+    return std::min(limits.image_pixels, limits.texture_pixels - std::min(used, limits.texture_pixels));
+}
+
 Result<std::string> SourceFiles::read(const std::filesystem::path& path) {
     std::error_code fault;
     const auto status = std::filesystem::status(path, fault);
     if (!std::filesystem::exists(status)) return bad_input(path.string(), "no such file");
     if (std::filesystem::is_directory(status)) return bad_input(path.string(), "found a folder, expected a file");
+    // A pipe may never end, and a device neither.
+    if (!std::filesystem::is_regular_file(status))
+        return bad_input(path.string(), "found a pipe or a device, expected a file");
+    const std::uint64_t size = std::filesystem::file_size(path, fault);
+    if (fault) return bad_input(path.string(), "the file cannot be read");
+    if (size > limits_.file_bytes - bytes_read_ || reads_ == most_reads)
+        return bad_input(path.string(), "found " + std::to_string(size) + " bytes, after " +
+                                            std::to_string(bytes_read_) + " of " + std::to_string(reads_) +
+                                            " files, expected a mesh of at most " + std::to_string(limits_.file_bytes) +
+                                            " bytes in " + std::to_string(most_reads) + " files");
+    bytes_read_ += size;
+    ++reads_;
     std::ifstream stream(path, std::ios::binary);
-    std::string content(std::istreambuf_iterator<char>(stream), {});
+    std::string content(size, '\0');
+    stream.read(content.data(), static_cast<std::streamsize>(size));
     if (!stream.is_open() || stream.bad()) return bad_input(path.string(), "the file cannot be read");
+    content.resize(static_cast<std::size_t>(stream.gcount()));
     if (std::find(paths_.begin(), paths_.end(), path) == paths_.end()) {
         paths_.push_back(path);
         bytes_ += content;
@@ -280,7 +316,7 @@ Result<std::string> SourceFiles::read(const std::filesystem::path& path) {
 
 Result<ImportedMesh> import_mesh(const std::filesystem::path& path, const ImportOptions& options) {
     assert(options.unit > 0);
-    SourceFiles files;
+    SourceFiles files(options.limits);
     auto read = read_source(path, files);
     if (!read) return read.error();
     SourceMesh source = *std::move(read);
@@ -291,7 +327,9 @@ Result<ImportedMesh> import_mesh(const std::filesystem::path& path, const Import
     Mesh& mesh = imported.mesh;
     ImportReport& report = imported.report;
     report.warnings = std::move(source.warnings);
-    std::vector<KeptTriangle> triangles = finite_triangles(source, report);
+    auto finite = finite_triangles(source, path, options.limits, report);
+    if (!finite) return finite.error();
+    std::vector<KeptTriangle> triangles = *std::move(finite);
     if (auto checked = check_extent(source, triangles, path); !checked) return checked.error();
     const std::vector<KeptTriangle> dropped = drop_degenerate(source, triangles, report);
     if (triangles.empty()) return nothing_left(path, report);

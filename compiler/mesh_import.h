@@ -12,10 +12,22 @@
 
 namespace rro {
 
+/// What one mesh may take of memory and time, however little of either its files seem to ask for. What goes beyond is
+/// refused. With these a mesh stays below 8 GB and some minutes.
+struct ImportLimits {
+    std::uint64_t file_bytes = std::uint64_t{1} << 29;      // of the mesh and all it refers to, each as often as read
+    std::uint64_t corners = std::uint64_t{1} << 25;         // of all faces, and as many vertices: 11 million triangles
+    std::uint64_t json_values = std::uint64_t{1} << 21;     // of a glTF document; the library takes up to 2 kB for one
+    std::uint64_t image_pixels = std::uint64_t{1} << 26;    // of a texture: 8192 x 8192
+    std::uint64_t texture_pixels = std::uint64_t{1} << 28;  // of all textures together, 3 bytes each
+    std::uint64_t polygon_steps = std::uint64_t{1} << 31;   // comparisons of corners while polygons are cut up
+};
+
 struct ImportOptions {
     double unit = 1;                        // metres per source unit (m 1, cm 0.01, mm 0.001, in 0.0254)
     bool z_up = false;                      // maps (x, y, z) to (x, z, -y)
     std::optional<Vec3> reflectance;        // fills only what is missing
+    ImportLimits limits;
 };
 
 enum class TwoSided { Auto, Yes, No };
@@ -44,7 +56,7 @@ struct ImportedMesh {
 /// Reads one mesh; numbering, materials, units as the contract says. Drops bad triangles and counts them.
 ///
 /// errors   BadInput naming the file (and line or index): missing, unreadable, unknown ending, broken, an index out of
-///          range, no triangle with an area
+///          range, no triangle with an area, beyond a limit
 Result<ImportedMesh> import_mesh(const std::filesystem::path& path, const ImportOptions& options);
 
 /// Decides per triangle whether it is two-sided, by the OpenMesh structure over welded positions: with Auto, closed and

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 #include <numbers>
+#include <set>
 #include <sstream>
 #include <unordered_map>
 
@@ -102,8 +103,12 @@ class ObjReader {
         const auto comment = std::find_if(words_.begin(), words_.end(), [](auto w) { return w.starts_with('#'); });
         words_.erase(comment, words_.end());
     }
+    std::string here() const { return at_line(path_, statement_.line()); }
+    void fail_with(Error error) {
+        if (!error_) error_ = std::move(error);
+    }
     void fail(std::string message, std::string hint = {}) {
-        if (!error_) error_ = bad_input(at_line(path_, statement_.line()), std::move(message), std::move(hint));
+        fail_with(bad_input(here(), std::move(message), std::move(hint)));
     }
     void vertex();
     void texture_coordinate();
@@ -132,12 +137,15 @@ class ObjReader {
     std::unordered_map<std::string, std::uint32_t> material_index_;
     std::unordered_map<std::string, MtlMaterial> library_;
     std::unordered_map<std::string, std::optional<std::uint32_t>> texture_index_;
+    std::set<std::filesystem::path> libraries_read_;
     std::filesystem::path library_folder_;
     bool has_colours_ = false;
 };
 
 void ObjReader::vertex() {
     move_here();
+    if (error_) return;
+    if (is_too_large(mesh_, files_.limits(), 1)) return fail_with(too_large(here(), files_.limits()));
     Vec3 p;
     for (int i = 0; i < 3; ++i) {
         const std::size_t at = static_cast<std::size_t>(i) + 1;
@@ -154,6 +162,8 @@ void ObjReader::vertex() {
 
 void ObjReader::texture_coordinate() {
     move_here();
+    if (error_) return;
+    if (uvs_.size() >= files_.limits().corners) return fail_with(too_large(here(), files_.limits()));
     Uv uv{0, 0};
     for (std::size_t i = 0; i < 2 && i + 1 < words_.size(); ++i) {
         const auto value = parse_real(words_[i + 1]);
@@ -175,6 +185,7 @@ std::optional<std::uint32_t> ObjReader::resolved(std::int64_t index, std::size_t
 void ObjReader::face() {
     move_here();
     if (error_) return;
+    if (is_too_large(mesh_, files_.limits(), words_.size())) return fail_with(too_large(here(), files_.limits()));
     if (!current_) current_ = material_named(default_material);
     for (std::size_t i = 1; i < words_.size(); ++i) {
         const auto corner = parse_corner(words_[i]);
@@ -250,9 +261,9 @@ std::optional<std::uint32_t> ObjReader::texture_of(const std::string& name) {
     std::error_code ignored;
     if (!std::filesystem::exists(file, ignored)) file = library_folder_ / std::filesystem::path(portable).filename();
     const auto bytes = files_.read(file);
-    auto texture = bytes ? decode_texture(*bytes) : std::nullopt;
+    auto texture = bytes ? decode_texture(*bytes, pixels_left(mesh_, files_.limits())) : std::nullopt;
     if (!texture) {
-        mesh_.warnings.push_back("texture " + in_quotes(name) + (bytes ? " cannot be decoded" : " cannot be read") +
+        mesh_.warnings.push_back("texture " + in_quotes(name) + (bytes ? " cannot be decoded, or is too large" : " cannot be read") +
                                  ": Kd alone counts");
         return std::nullopt;
     }
@@ -271,10 +282,11 @@ bool ObjReader::read_library(const std::string& name) {
     std::error_code ignored;
     if (!std::filesystem::is_regular_file(file, ignored)) file = path_.parent_path() / name;
     if (!std::filesystem::is_regular_file(file, ignored)) {
-        mesh_.warnings.push_back(at_line(path_, statement_.line()) + ": material file " + in_quotes(name) +
+        mesh_.warnings.push_back(here() + ": material file " + in_quotes(name) +
                                  " is missing");
         return false;
     }
+    if (!libraries_read_.insert(file).second) return true;  // many exporters name the same one before every object
     const auto content = files_.read(file);
     if (!content) {
         error_ = content.error();
@@ -325,6 +337,8 @@ Status ObjReader::resolve_uvs() {
 }
 
 Result<SourceMesh> ObjReader::read() {
+    if (const auto line = find_long_line(joined_))
+        return bad_input(at_line(path_, *line), "the statement is too long to be one");
     tinyobj::callback_t calls;
     calls.vertex_cb = [](void* user, double, double, double, double) { static_cast<ObjReader*>(user)->vertex(); };
     calls.texcoord_cb = [](void* user, double, double, double) { static_cast<ObjReader*>(user)->texture_coordinate(); };

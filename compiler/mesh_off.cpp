@@ -29,11 +29,14 @@ std::optional<OffKind> parse_kind(std::string_view word) {
 
 class OffReader {
   public:
-    OffReader(const std::filesystem::path& path, std::string_view text) : path_(path), lines_(text) {
+    OffReader(const std::filesystem::path& path, std::string_view text, const ImportLimits& limits)
+        : path_(path), text_(text), lines_(text), limits_(limits) {
         mesh_.materials.push_back({default_material, {}, {}, {}});
     }
 
     Result<SourceMesh> read() {
+        if (const auto line = find_long_line(text_))
+            return bad_input(at_line(path_, *line), "the line is too long to be one");
         if (auto header = read_header(); !header) return header.error();
         for (std::int64_t i = 0; i < vertices_; ++i)
             if (auto vertex = read_vertex(i); !vertex) return vertex.error();
@@ -82,6 +85,7 @@ class OffReader {
     Status read_vertex(std::int64_t number) {
         if (!next_line())
             return wrong("found " + std::to_string(number) + " vertices, expected " + std::to_string(vertices_));
+        if (is_too_large(mesh_, limits_, 1)) return too_large(place(), limits_);
         if (words_.size() < 3) return wrong("a vertex with fewer than three coordinates");
         Vec3 p;
         for (int i = 0; i < 3; ++i) {
@@ -127,6 +131,8 @@ class OffReader {
         if (corners >= words_.size())
             return wrong("a face with " + std::to_string(words_.size() - 1) + " corners, expected " +
                          std::to_string(corners));
+        if (is_too_large(mesh_, limits_, corners) || mesh_.face_end.size() >= limits_.corners)
+            return too_large(place(), limits_);
         std::optional<Vec3> colour;
         if (words_.size() >= corners + 4) {  // one number alone names an entry of a colour table that nobody has
             auto read = read_colour(corners + 1);
@@ -148,7 +154,9 @@ class OffReader {
     }
 
     const std::filesystem::path& path_;
+    std::string_view text_;
     LineReader lines_;
+    const ImportLimits& limits_;
     std::vector<std::string_view> words_;
     OffKind kind_;
     std::int64_t vertices_ = 0, faces_ = 0;
@@ -159,8 +167,8 @@ class OffReader {
 
 }  // namespace
 
-Result<SourceMesh> read_off(const std::filesystem::path& path, std::string_view bytes) {
-    return OffReader(path, bytes).read();
+Result<SourceMesh> read_off(const std::filesystem::path& path, std::string_view bytes, const ImportLimits& limits) {
+    return OffReader(path, bytes, limits).read();
 }
 
 }  // namespace rro

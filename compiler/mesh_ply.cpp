@@ -50,6 +50,8 @@ std::optional<PlyType> parse_type(std::string_view word) {
     return std::nullopt;
 }
 
+constexpr double largest_whole = std::numeric_limits<std::uint32_t>::max();  // of all types
+
 bool is_whole(PlyType type) {
     return type != PlyType::Float && type != PlyType::Double;
 }
@@ -106,7 +108,8 @@ class PlyBody {
         if (word.empty()) return bad_input(place(), "found the end of the file, expected a number");
         offset_ = end;
         const auto value = parse_real(word);
-        if (!value || (is_whole(type) && *value != std::floor(*value)))
+        const bool whole = value && *value == std::floor(*value) && std::abs(*value) <= largest_whole;
+        if (!value || (is_whole(type) && !whole))
             return bad_input(
                 place(), "found " + in_quotes(word) + ", expected a " + (is_whole(type) ? "whole " : "") + "number");
         return *value;
@@ -195,7 +198,7 @@ class PlyHeader {
 /// One element's values; scalars as lists of one.
 using PlyRow = std::vector<std::vector<double>>;
 
-Status read_row(PlyBody& body, const PlyElement& element, PlyRow& row) {
+Status read_row(PlyBody& body, const PlyElement& element, const ImportLimits& limits, PlyRow& row) {
     row.resize(element.properties.size());
     for (std::size_t i = 0; i < element.properties.size(); ++i) {
         const PlyProperty& property = element.properties[i];
@@ -203,9 +206,11 @@ Status read_row(PlyBody& body, const PlyElement& element, PlyRow& row) {
         if (property.count_type) {
             const auto length = body.next(*property.count_type);
             if (!length) return length.error();
-            if (!(*length >= 0 && *length <= std::numeric_limits<std::uint32_t>::max()))
-                return bad_input(body.place(), "a list of " + std::to_string(*length) + " values");
+            if (*length < 0) return bad_input(body.place(), "a list of " + std::to_string(*length) + " values");
             count = static_cast<std::int64_t>(*length);
+            if (static_cast<std::uint64_t>(count) > limits.corners)
+                return bad_input(body.place(), "a list of " + std::to_string(count) + " values, expected at most " +
+                                                   std::to_string(limits.corners));
         }
         row[i].clear();
         for (std::int64_t k = 0; k < count; ++k) {
@@ -244,7 +249,8 @@ struct PlyColour {
 
 class PlyReader {
   public:
-    PlyReader(const std::filesystem::path& path, PlyBody body) : path_(path), body_(body) {
+    PlyReader(const std::filesystem::path& path, PlyBody body, const ImportLimits& limits)
+        : path_(path), body_(body), limits_(limits) {
         mesh_.materials.push_back({default_material, {}, {}, {}});
     }
 
@@ -254,7 +260,8 @@ class PlyReader {
         const PlyColour colour(element);
         PlyRow row;
         for (std::int64_t i = 0; i < element.count; ++i) {
-            if (auto read = read_row(body_, element, row); !read) return read;
+            if (auto read = read_row(body_, element, limits_, row); !read) return read;
+            if (is_too_large(mesh_, limits_, 1)) return too_large(body_.place(), limits_);
             if (row[*x].empty() || row[*y].empty() || row[*z].empty())
                 return bad_input(body_.place(), "a vertex without coordinates");
             mesh_.positions.emplace_back(row[*x][0], row[*y][0], row[*z][0]);
@@ -270,7 +277,9 @@ class PlyReader {
         const PlyColour colour(element);
         PlyRow row;
         for (std::int64_t i = 0; i < element.count; ++i) {
-            if (auto read = read_row(body_, element, row); !read) return read;
+            if (auto read = read_row(body_, element, limits_, row); !read) return read;
+            if (is_too_large(mesh_, limits_, row[*list].size()) || mesh_.face_end.size() >= limits_.corners)
+                return too_large(body_.place(), limits_);
             for (const double index : row[*list]) {
                 if (!(index >= 0 && index < std::numeric_limits<std::uint32_t>::max()))
                     return bad_input(body_.place(), "face " + std::to_string(i) + " has the vertex " +
@@ -288,7 +297,7 @@ class PlyReader {
     Status skip(const PlyElement& element) {
         PlyRow row;
         for (std::int64_t i = 0; i < element.count && !element.properties.empty(); ++i)
-            if (auto read = read_row(body_, element, row); !read) return read;
+            if (auto read = read_row(body_, element, limits_, row); !read) return read;
         return Done{};
     }
 
@@ -304,16 +313,17 @@ class PlyReader {
   private:
     const std::filesystem::path& path_;
     PlyBody body_;
+    const ImportLimits& limits_;
     SourceMesh mesh_;
     std::vector<Vec3> vertex_colours_;
 };
 
 }  // namespace
 
-Result<SourceMesh> read_ply(const std::filesystem::path& path, std::string_view bytes) {
+Result<SourceMesh> read_ply(const std::filesystem::path& path, std::string_view bytes, const ImportLimits& limits) {
     PlyHeader header(path, bytes);
     if (auto read = header.read(); !read) return read.error();
-    PlyReader reader(path, header.body(bytes));
+    PlyReader reader(path, header.body(bytes), limits);
     for (const PlyElement& element : header.elements()) {
         auto read = element.name == "vertex" ? reader.vertices(element)
                     : element.name == "face" ? reader.faces(element)

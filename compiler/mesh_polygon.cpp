@@ -89,12 +89,15 @@ bool fan_covers(const std::vector<Point>& points) {
     return true;
 }
 
-/// Whether the triangle at left[i] can be cut off: it turns left, nothing lies in it, its new side crosses nothing.
-bool is_ear(const std::vector<Point>& points, const std::vector<std::uint32_t>& left, std::size_t i) {
+/// Whether the triangle at left[i] can be cut off: it turns left, nothing lies in it, its new side crosses nothing. Takes
+/// off `steps` what it compares; their caller sees to it that there are enough.
+bool is_ear(const std::vector<Point>& points, const std::vector<std::uint32_t>& left, std::size_t i,
+            std::uint64_t& steps) {
     const std::size_t n = left.size();
     const Point &a = points[left[(i + n - 1) % n]], &b = points[left[i]], &c = points[left[(i + 1) % n]];
     if (turn(a, b, c) <= no_area) return false;
     for (std::size_t j = 0; j < n; ++j) {
+        --steps;
         const Point &p = points[left[j]], &q = points[left[(j + 1) % n]];
         // A corner in the same place as one of ours (a bridge to a hole, a touching corner) is no obstacle in itself.
         if (p != a && p != b && p != c && inside(p, a, b, c)) return false;
@@ -104,11 +107,16 @@ bool is_ear(const std::vector<Point>& points, const std::vector<std::uint32_t>& 
 }
 
 /// The corner to cut off next: the first ear after the first corner; in a polygon that has none (it crosses itself, or
-/// all that is left is straight), the corner with the smallest area.
-std::size_t next_corner(const std::vector<Point>& points, const std::vector<std::uint32_t>& left) {
+/// all that is left is straight), the corner with the smallest area. None where the steps end.
+std::optional<std::size_t> next_corner(const std::vector<Point>& points, const std::vector<std::uint32_t>& left,
+                                       std::uint64_t& steps) {
     const std::size_t n = left.size();
-    for (std::size_t step = 1; step <= n; ++step)
-        if (is_ear(points, left, step % n)) return step % n;
+    for (std::size_t step = 1; step <= n; ++step) {
+        if (steps <= 2 * n) return std::nullopt;  // for an ear and the search below
+        --steps;
+        if (is_ear(points, left, step % n, steps)) return step % n;
+    }
+    steps -= n;
     std::size_t best = 0;
     double smallest = 0;
     for (std::size_t i = 0; i < n; ++i) {
@@ -124,7 +132,7 @@ void fan(std::size_t k, PolygonTriangles& out) {
 
 }  // namespace
 
-PolygonTriangles triangulate_polygon(std::span<const Vec3> corners) {
+std::optional<PolygonTriangles> triangulate_polygon(std::span<const Vec3> corners, std::uint64_t& steps) {
     assert(corners.size() >= 3);
     PolygonTriangles out;
     const std::vector<Vec3> q = corners.size() > 3 ? normalised_corners(corners) : std::vector<Vec3>{};
@@ -142,7 +150,9 @@ PolygonTriangles triangulate_polygon(std::span<const Vec3> corners) {
     std::vector<std::uint32_t> left(corners.size());
     std::iota(left.begin(), left.end(), 0u);
     while (left.size() > 3) {
-        const std::size_t n = left.size(), i = next_corner(points, left);
+        const auto found = next_corner(points, left, steps);
+        if (!found) return std::nullopt;
+        const std::size_t n = left.size(), i = *found;
         out.triangles.push_back({left[(i + n - 1) % n], left[i], left[(i + 1) % n]});
         left.erase(left.begin() + static_cast<std::ptrdiff_t>(i));
     }

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "compiler/mesh_import.h"
 #include "compiler/mesh_texture.h"
 #include "format/geometry.h"
 #include "format/result.h"
@@ -47,20 +48,38 @@ inline void end_face(SourceMesh& mesh, std::uint32_t material) {
     mesh.face_material.push_back(material);
 }
 
+/// Whether a mesh holds more than it may. Readers ask after every vertex and face, and before they take many at once.
+inline bool is_too_large(const SourceMesh& mesh, const ImportLimits& limits, std::uint64_t more = 0) {
+    return mesh.positions.size() + more > limits.corners || mesh.corners.size() + more > limits.corners;
+}
+inline Error too_large(const std::string& where, const ImportLimits& limits) {
+    return bad_input(where, "more than " + std::to_string(limits.corners) + " vertices, or corners of all faces",
+                     "split the mesh into several objects");
+}
+
+/// Pixels that the next texture of a mesh may have.
+std::uint64_t pixels_left(const SourceMesh& mesh, const ImportLimits& limits);
+
 /// Every file read so far, in order of first use.
 class SourceFiles {
   public:
+    explicit SourceFiles(const ImportLimits& limits) : limits_(limits) {}
+
     /// The whole file; noted, and its bytes added to the hashed ones, the first time it is read.
     ///
-    /// errors   BadInput: missing, a directory, not readable
+    /// errors   BadInput: missing, no regular file, not readable, beyond the limits
     Result<std::string> read(const std::filesystem::path& path);
+
+    const ImportLimits& limits() const { return limits_; }
 
     const std::vector<std::filesystem::path>& paths() const { return paths_; }
     const std::string& bytes() const { return bytes_; }
 
   private:
+    ImportLimits limits_;
     std::vector<std::filesystem::path> paths_;
     std::string bytes_;
+    std::uint64_t reads_ = 0, bytes_read_ = 0;
 };
 
 /// One reader per format. `bytes` is the content of `path`, without a byte order mark; other files come through
@@ -69,9 +88,9 @@ class SourceFiles {
 /// errors   BadInput naming the file and line, byte or element: what was found, what was expected
 Result<SourceMesh> read_obj(const std::filesystem::path& path, std::string_view bytes, SourceFiles& files);
 Result<SourceMesh> read_gltf(const std::filesystem::path& path, std::string_view bytes, SourceFiles& files);
-Result<SourceMesh> read_ply(const std::filesystem::path& path, std::string_view bytes);
-Result<SourceMesh> read_stl(const std::filesystem::path& path, std::string_view bytes);
-Result<SourceMesh> read_off(const std::filesystem::path& path, std::string_view bytes);
+Result<SourceMesh> read_ply(const std::filesystem::path& path, std::string_view bytes, const ImportLimits& limits);
+Result<SourceMesh> read_stl(const std::filesystem::path& path, std::string_view bytes, const ImportLimits& limits);
+Result<SourceMesh> read_off(const std::filesystem::path& path, std::string_view bytes, const ImportLimits& limits);
 
 /// A material of an MTL file.
 struct MtlMaterial {

@@ -108,7 +108,30 @@ std::vector<std::uint32_t> umbrellas(const Surface& surface, const std::vector<E
     return vertex;
 }
 
-/// Per component whether it is closed and consistently wound.
+/// Per component whether two triangles meet at each of its edges, and run against one another there.
+std::vector<bool> paired_components(const std::vector<Edge>& edges, const std::vector<std::uint32_t>& component,
+                                    std::uint32_t count) {
+    std::vector<bool> paired(count, true);
+    for_each_edge(edges, [&](std::span<const Edge> sides) {
+        if (sides.size() != 2 || sides[0].forward == sides[1].forward) paired[component[sides[0].triangle]] = false;
+    });
+    return paired;
+}
+
+/// Per component whether so many of its triangles share a vertex that OpenMesh, which goes round a vertex for each of
+/// them, would take the square of their number: hours for a cone of a million triangles in no order.
+std::vector<bool> crowded_components(const std::vector<std::uint32_t>& vertex,
+                                     const std::vector<std::uint32_t>& component, std::uint32_t count) {
+    constexpr std::uint32_t crowd = 1000;
+    std::vector<std::uint32_t> around(vertex.size(), 0);
+    std::vector<bool> crowded(count, false);
+    for (std::size_t i = 0; i < vertex.size(); ++i)
+        if (++around[vertex[i]] > crowd) crowded[component[i / 3]] = true;
+    return crowded;
+}
+
+/// Per component whether it is closed and consistently wound. Paired edges are necessary for it; whether they suffice is
+/// for OpenMesh to say, but where it would not end, they must.
 std::vector<bool> closed_components(const Surface& surface, const std::vector<Edge>& edges,
                                     const std::vector<std::uint32_t>& component, std::uint32_t count) {
     // Refused faces are an answer here, nothing to print. Once: several meshes may be compiled at a time.
@@ -118,9 +141,11 @@ std::vector<bool> closed_components(const Surface& surface, const std::vector<Ed
     std::vector<OpenMesh::VertexHandle> handle(vertex.size());
     for (std::size_t i = 0; i < vertex.size(); ++i)  // a root comes before its members
         handle[i] = vertex[i] == i ? half_edges.new_vertex() : handle[vertex[i]];
-    std::vector<bool> closed(count, true);
+    std::vector<bool> closed = paired_components(edges, component, count);
+    const std::vector<bool> crowded = crowded_components(vertex, component, count);
     std::vector<std::uint32_t> triangle_of_face;
     for (std::uint32_t t = 0; t < surface.triangles.size(); ++t) {
+        if (crowded[component[t]]) continue;
         const OpenMesh::VertexHandle* corner = &handle[std::size_t{3} * t];
         const bool degenerate = corner[0] == corner[1] || corner[1] == corner[2] || corner[2] == corner[0];
         const bool refused = degenerate || !half_edges.add_face(corner[0], corner[1], corner[2]).is_valid();

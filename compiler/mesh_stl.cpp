@@ -45,9 +45,12 @@ SourceMesh read_binary(std::string_view bytes) {
 /// end.
 class TextReader {
   public:
-    TextReader(const std::filesystem::path& path, std::string_view text) : path_(path), lines_(text) {}
+    TextReader(const std::filesystem::path& path, std::string_view text, const ImportLimits& limits)
+        : path_(path), text_(text), lines_(text), limits_(limits) {}
 
     Result<SourceMesh> read() {
+        if (const auto line = find_long_line(text_))
+            return bad_input(at_line(path_, *line), "the line is too long to be one");
         bool in_solid = false;
         while (const auto word = next()) {
             if (*word == (in_solid ? "endsolid" : "solid")) {
@@ -103,6 +106,7 @@ class TextReader {
         const std::size_t line = lines_.line_number();
         if (auto normal = point(); !normal) return normal.error();
         if (auto read = words({"outer", "loop"}); !read) return read;
+        if (is_too_large(mesh_, limits_, 3)) return too_large(at_line(path_, line), limits_);
         for (int corner = 0; corner < 3; ++corner) {
             if (auto read = words({"vertex"}); !read) return read;
             const auto p = point();
@@ -116,7 +120,9 @@ class TextReader {
     }
 
     const std::filesystem::path& path_;
+    std::string_view text_;
     LineReader lines_;
+    const ImportLimits& limits_;
     std::vector<std::string_view> words_;
     std::size_t at_ = 0;
     SourceMesh mesh_ = mesh_of_default_material();
@@ -124,13 +130,16 @@ class TextReader {
 
 }  // namespace
 
-Result<SourceMesh> read_stl(const std::filesystem::path& path, std::string_view bytes) {
+Result<SourceMesh> read_stl(const std::filesystem::path& path, std::string_view bytes, const ImportLimits& limits) {
     // By its size: many binary files begin with "solid", too.
     const bool has_header = bytes.size() >= header_bytes;
     const std::uint64_t expected = has_header ? header_bytes + std::uint64_t{facet_bytes} * facet_count(bytes) : 0;
-    if (has_header && bytes.size() == expected) return read_binary(bytes);
+    if (has_header && bytes.size() == expected) {
+        if (std::uint64_t{3} * facet_count(bytes) > limits.corners) return too_large(path.string(), limits);
+        return read_binary(bytes);
+    }
     const std::size_t start = bytes.find_first_not_of(" \t\r\n");
-    if (start != bytes.npos && bytes.substr(start).starts_with("solid")) return TextReader(path, bytes).read();
+    if (start != bytes.npos && bytes.substr(start).starts_with("solid")) return TextReader(path, bytes, limits).read();
     if (!has_header)
         return bad_input(path.string(), "found " + std::to_string(bytes.size()) +
                                             " bytes, expected 'solid' or a binary STL of at least 84 bytes");

@@ -1,5 +1,6 @@
 #include "compiler/mesh_text.h"
 
+#include <algorithm>
 #include <charconv>
 
 namespace rro {
@@ -34,6 +35,15 @@ std::string_view trimmed(std::string_view text) {
     while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
     while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
     return text;
+}
+
+std::optional<std::size_t> find_long_line(std::string_view text) {
+    constexpr std::size_t longest = std::size_t{1} << 24;
+    LineReader lines(text);
+    std::string_view line;
+    while (lines.next(line))
+        if (line.size() > longest) return lines.line_number();
+    return std::nullopt;
 }
 
 void split_words(std::string_view line, std::vector<std::string_view>& words) {

@@ -9,12 +9,20 @@
 #define STB_IMAGE_IMPLEMENTATION
 #define STB_IMAGE_STATIC
 #define STBI_NO_STDIO
+#define STBI_NO_PSD
+#define STBI_NO_GIF
+#define STBI_NO_HDR
+#define STBI_NO_PIC
 #include <stb/stb_image.h>
 
 namespace rro {
 namespace {
 
-constexpr std::int64_t most_pixels = std::int64_t{1} << 28;  // 16384 x 16384: beyond it a file is broken or hostile
+/// No format packs pixels denser: a PNG of one bit each, and deflate's 1032 bytes for one.
+constexpr std::uint64_t most_pixels_per_byte = 8 * 1032;
+
+/// Texture coordinates that double precision resolves to a thousandth of a pixel; beyond, only the mean is known.
+constexpr double largest_uv = 1e8;
 
 std::array<double, 256> linear_values() {
     std::array<double, 256> table{};
@@ -50,13 +58,15 @@ double srgb_to_linear(std::uint8_t value) {
     return table[value];
 }
 
-std::optional<Texture> decode_texture(std::string_view bytes) {
+std::optional<Texture> decode_texture(std::string_view bytes, std::uint64_t most_pixels) {
     if (bytes.empty() || bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) return std::nullopt;
     const auto* data = reinterpret_cast<const stbi_uc*>(bytes.data());
     const int size = static_cast<int>(bytes.size());
     int width = 0, height = 0, channels = 0;
     if (!stbi_info_from_memory(data, size, &width, &height, &channels)) return std::nullopt;
-    if (std::int64_t{width} * height > most_pixels) return std::nullopt;
+    if (width <= 0 || height <= 0) return std::nullopt;
+    const std::uint64_t count = static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
+    if (count > most_pixels || count / most_pixels_per_byte > bytes.size()) return std::nullopt;
     const std::unique_ptr<stbi_uc, void (*)(void*)> pixels(
         stbi_load_from_memory(data, size, &width, &height, &channels, STBI_rgb), stbi_image_free);
     if (!pixels || width <= 0 || height <= 0) return std::nullopt;
@@ -74,7 +84,7 @@ Vec3 mean_over_triangle(const Texture& texture, const TextureUse& use, const std
     for (std::size_t i = 0; i < 3; ++i) {
         const auto [u, v] = corners[i];
         at[i] = {use.to_u[0] * u + use.to_u[1] * v + use.to_u[2], use.to_v[0] * u + use.to_v[1] * v + use.to_v[2], 0};
-        if (!is_finite(at[i])) return texture.mean;
+        if (!(std::abs(at[i].x) <= largest_uv && std::abs(at[i].y) <= largest_uv)) return texture.mean;
     }
     for (std::size_t i = 0; i < 3; ++i) {
         const Vec3 edge = at[(i + 1) % 3] - at[i];

@@ -32,8 +32,9 @@ struct TextureUse {
 /// Linear value of an 8-bit sRGB one, in [0, 1].
 double srgb_to_linear(std::uint8_t value);
 
-/// Decodes PNG, JPEG and what else stb_image reads; transparency is dropped. None where it cannot be decoded.
-std::optional<Texture> decode_texture(std::string_view bytes);
+/// Decodes PNG, JPEG, BMP, TGA and PNM; transparency is dropped. None where it cannot be decoded, or has more pixels than
+/// `most_pixels`.
+std::optional<Texture> decode_texture(std::string_view bytes, std::uint64_t most_pixels);
 
 /// Linear mean of the texture over the triangle with these coordinates; over the whole image where one is not finite.
 Vec3 mean_over_triangle(const Texture& texture, const TextureUse& use, const std::array<Uv, 3>& corners);

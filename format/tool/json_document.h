@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
@@ -27,10 +28,23 @@ std::string json_place(const std::string& name, const std::string& pointer);
 /// Found values in messages: a scalar as it is, "an array of 3", "an object".
 std::string described(const nlohmann::json& value);
 
-/// Checks a document against a JSON schema (draft 7). The schema is the only source of what is allowed: a message says
-/// what was found, and gives the schema's "description" of the place as what was expected.
-///
-/// errors   BadInput with the place as a JSON pointer: the first fault, a wrong or missing key, type, range, length
+/// A JSON schema (draft 7), read once to check any number of documents; safe to share between threads. The schema is the
+/// only source of what is allowed: a message says what was found, and gives the schema's "description" of the place as
+/// what was expected.
+class JsonSchema {
+  public:
+    explicit JsonSchema(std::string_view text);
+    ~JsonSchema();
+
+    /// errors   BadInput with the place as a JSON pointer: the first fault, a wrong or missing key, type, range, length
+    Status check(const nlohmann::json& document, const std::string& name) const;
+
+  private:
+    struct Parts;
+    std::unique_ptr<const Parts> parts_;
+};
+
+/// The same for a schema that is used once.
 Status check_schema(const nlohmann::json& document, std::string_view schema, const std::string& name);
 
 }  // namespace rro

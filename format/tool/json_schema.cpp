@@ -1,4 +1,4 @@
-// check_schema: valijson is the judge; what is said about a refusal is found by walking schema and document together.
+// JsonSchema: valijson is the judge; what is said about a refusal is found by walking schema and document together.
 #include <algorithm>
 #include <optional>
 #include <regex>
@@ -151,15 +151,28 @@ Fault raw_fault(valijson::Validator& validator, const valijson::Schema& schema, 
 
 }  // namespace
 
-Status check_schema(const json& document, std::string_view schema_text, const std::string& name) {
-    const json schema_document = json::parse(schema_text);
+struct JsonSchema::Parts {
+    json document;
     valijson::Schema schema;
-    valijson::SchemaParser().populateSchema(valijson::adapters::NlohmannJsonAdapter(schema_document), schema);
+
+    explicit Parts(std::string_view text) : document(json::parse(text)) {
+        valijson::SchemaParser().populateSchema(valijson::adapters::NlohmannJsonAdapter(document), schema);
+    }
+};
+
+JsonSchema::JsonSchema(std::string_view text) : parts_(std::make_unique<const Parts>(text)) {}
+JsonSchema::~JsonSchema() = default;
+
+Status JsonSchema::check(const json& document, const std::string& name) const {
     valijson::Validator validator;
-    if (validator.validate(schema, valijson::adapters::NlohmannJsonAdapter(document), nullptr)) return Done{};
-    auto fault = Explainer(schema_document).explain(schema_document, document, "");
-    if (!fault) fault = raw_fault(validator, schema, document);
+    if (validator.validate(parts_->schema, valijson::adapters::NlohmannJsonAdapter(document), nullptr)) return Done{};
+    auto fault = Explainer(parts_->document).explain(parts_->document, document, "");
+    if (!fault) fault = raw_fault(validator, parts_->schema, document);
     return bad_input(json_place(name, fault->pointer), fault->message, fault->hint);
+}
+
+Status check_schema(const json& document, std::string_view schema, const std::string& name) {
+    return JsonSchema(schema).check(document, name);
 }
 
 }  // namespace rro

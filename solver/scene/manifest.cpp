@@ -13,9 +13,6 @@ namespace {
 
 using nlohmann::json;
 
-// Results are single precision: exitances outside this range, and what they add up to, would not survive in them.
-constexpr double kSmallestExitance = 1e-30, kLargestExitance = 1e30;
-
 Vec3 to_vec3(const json& value) {
     return {value[0].get<double>(), value[1].get<double>(), value[2].get<double>()};
 }
@@ -74,7 +71,7 @@ Result<MaterialOverride> read_material(const json& value, const std::string& whe
         material.exitance = to_vec3(value["exitance"]);
         for (int c = 0; c < 3; ++c) {
             const double m = (*material.exitance)[c];
-            if (m != 0 && (m < kSmallestExitance || m > kLargestExitance))
+            if (!is_usable_exitance(m))
                 return bad_input(where + "/exitance/" + std::to_string(c),
                                  "found " + json(m).dump() + ", expected 0 or 1e-30 to 1e30 W/m^2");
         }
@@ -127,11 +124,17 @@ Result<CameraEntry> read_camera(const json& value, const std::string& where) {
 
 }  // namespace
 
+bool is_usable_exitance(double exitance) {
+    constexpr double smallest = 1e-30, largest = 1e30;
+    return exitance == 0 || (exitance >= smallest && exitance <= largest);
+}
+
 Result<Manifest> read_manifest(const std::filesystem::path& path) {
     const std::string name = path.string();
     auto document = read_json(path);
     if (!document) return document.error();
-    if (auto fits = check_schema(*document, scene_schema, name); !fits) return fits.error();
+    static const JsonSchema schema(scene_schema);
+    if (auto fits = schema.check(*document, name); !fits) return fits.error();
     if (auto supported = refuse_unsupported(*document, name); !supported) return supported.error();
 
     Manifest manifest;

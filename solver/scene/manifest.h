@@ -39,6 +39,9 @@ struct Manifest {
     std::optional<double> accuracy;
 };
 
+/// Whether an exitance and what it adds up to survive in results, which are single precision: 0, or 1e-30 to 1e30 W/m^2.
+bool is_usable_exitance(double exitance);
+
 /// Reads and checks a manifest: JSON, schema, names, transforms.
 ///
 /// errors   BadInput, naming file and JSON pointer (or line and column for broken JSON): not there, not JSON, comments,

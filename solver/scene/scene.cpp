@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <map>
 #include <optional>
+#include <string_view>
 #include <system_error>
+#include <utility>
 
 #include "format/parallel.h"
 #include "format/tool/json_document.h"
@@ -128,15 +130,17 @@ Status check_pins(const Manifest& manifest, const ArchiveFiles& files,
 Status resolve_materials(const Manifest& manifest, std::size_t number, Instance& instance) {
     const ObjectData& data = instance.data();
     std::vector<MaterialOverride> overrides(data.materials.size());
+    std::multimap<std::string_view, std::size_t> materials;
+    for (std::size_t m = 0; m < overrides.size(); ++m) materials.emplace(data.materials[m].name, m);
     for (const auto& [name, said] : manifest.instances[number].materials) {
-        bool known = name == "*";
-        for (std::size_t m = 0; m < overrides.size(); ++m) {
-            if (name != "*" && name != data.materials[m].name) continue;
-            known = true;
-            if (said.reflectance) overrides[m].reflectance = said.reflectance;
-            if (said.exitance) overrides[m].exitance = said.exitance;
+        const bool all = name == "*";
+        const auto [begin, end] =
+            all ? std::pair(materials.cbegin(), materials.cend()) : std::as_const(materials).equal_range(name);
+        for (auto at = begin; at != end; ++at) {
+            if (said.reflectance) overrides[at->second].reflectance = said.reflectance;
+            if (said.exitance) overrides[at->second].exitance = said.exitance;
         }
-        if (!known) {
+        if (begin == end && !all) {
             std::vector<std::string> names;
             for (const Material& material : data.materials) names.push_back(material.name);
             return bad_input(place_of(manifest, number, "/materials/" + pointer_step(name)),
@@ -145,6 +149,14 @@ Status resolve_materials(const Manifest& manifest, std::size_t number, Instance&
                              nearest_hint(name, names));
         }
     }
+    for (std::size_t m = 0; m < overrides.size(); ++m)
+        for (int c = 0; c < 3; ++c)
+            if (const double own = data.materials[m].exitance[c]; !overrides[m].exitance && !is_usable_exitance(own))
+                return bad_input(place_of(manifest, number, "/archive"),
+                                 "material \"" + data.materials[m].name + "\" of " +
+                                     instance.object->path.filename().string() + " has an exitance of " + nlohmann::json(own).dump() +
+                                     " W/m^2, expected 0 or 1e-30 to 1e30",
+                                 "give it another exitance under \"materials\"");
     for (const Patch& patch : data.patches) {
         const MaterialOverride& said = overrides[patch.material];
         Rgb reflectance = said.reflectance ? to_float(*said.reflectance) : patch.reflectance;

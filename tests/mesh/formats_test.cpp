@@ -96,6 +96,26 @@ TEST_CASE("PLY: broken files are refused where they break", "[mesh][ply]") {
     CHECK(refused(folder.write("b.ply", binary.substr(0, binary.size() - 1))).where.find("byte") != std::string::npos);
 }
 
+TEST_CASE("PLY: a whole number beyond every type is refused, infinity too", "[mesh][ply]") {
+    const MeshFolder folder;
+    for (const char* index : {"inf", "-inf", "1e300", "4294967296", "nan"}) {
+        std::string text = text_ply;
+        text.replace(text.find("3 0 1 2"), 7, std::string("3 0 1 ") + index);
+        const Error error = refused(folder.write("a.ply", text));
+        CHECK(error.where.ends_with("a.ply:15"));
+        CHECK(error.message.find("whole number") != std::string::npos);
+    }
+}
+
+TEST_CASE("the mean of clamped colours is not above what they are clamped to", "[mesh][off]") {
+    const MeshFolder folder;
+    // Areas of 0.1 to 0.7 m^2 so that the sums round.
+    const Mesh mesh = imported(folder.write("a.off", "OFF\n5 3 0\n0 0 0\n1 0 0\n0.3 0.2 0\n0.1 1.1 0\n0.7 1.3 0.1\n"
+                                                     "3 0 1 2 1.0 1.0 1.0\n3 0 2 3 1.0 1.0 1.0\n3 1 4 3 1.0 1.0 1.0\n"))
+                          .mesh;
+    for (int c = 0; c < 3; ++c) CHECK(mesh.materials.at(0).reflectance[c] <= 0.95);
+}
+
 TEST_CASE("OFF: comments, blank lines, counts on the first line, colours", "[mesh][off]") {
     const MeshFolder folder;
     CHECK(imported(

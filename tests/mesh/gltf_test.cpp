@@ -132,6 +132,91 @@ TEST_CASE("glTF: a texture's v runs down, and the factor multiplies it", "[mesh]
     CHECK(files.back().filename() == "t.png");
 }
 
+TEST_CASE("glTF: texture coordinates beyond all pixels give the mean of the texture", "[mesh][gltf][texture]") {
+    const MeshFolder folder;
+    std::string bytes = square_bytes();
+    folder.write("t.png", small_png());
+    const auto with = [&](float u, const std::string& transform) {
+        std::string changed = bytes;
+        changed.replace(60, 4, raw(u));
+        folder.write("square.bin", changed);
+        const auto result = imported(folder.write("a.gltf", document(R"("images": [{"uri": "t.png"}], "textures": [{"source": 0}],
+            "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0, "extensions": {"KHR_texture_transform": {)" +
+                                                                     transform + R"(}}}}}],
+            "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 2}, "indices": 1, "material": 0}]}],
+            "nodes": [{"mesh": 0}])")));
+        return to_double(result.mesh.reflectance.at(0));
+    };
+    // Half of the pixels (one of red, green, blue, white) have each channel.
+    CHECK(with(3e38f, "") == to_double(to_float({0.5, 0.5, 0.5})));
+    CHECK(with(0.1f, R"("scale": [1e308, 1e308])") == to_double(to_float({0.5, 0.5, 0.5})));
+    CHECK(with(0.1f, R"("texCoord": 1e300)") == to_double(to_float({0.5, 0.5, 0.5})));
+    CHECK(with(0.1f, R"("texCoord": -1)") == to_double(to_float({0.5, 0.5, 0.5})));
+    CHECK(with(0.1f, R"("texCoord": 0)") == to_double(to_float({0.95, 0, 0})));
+}
+
+TEST_CASE("glTF: vertex colours that are no numbers are refused", "[mesh][gltf][bad]") {
+    const MeshFolder folder;
+    std::string bytes = square_bytes();
+    bytes.replace(0, 4, raw(std::numeric_limits<float>::quiet_NaN()));
+    folder.write("square.bin", bytes);
+    const auto error = refused(folder.write("a.gltf", document(R"("meshes": [{"primitives": [
+        {"attributes": {"POSITION": 0, "COLOR_0": 0}, "indices": 1}]}], "nodes": [{"mesh": 0}])")));
+    CHECK(error.message.find("colour") != std::string::npos);
+}
+
+TEST_CASE("glTF: a small document cannot ask for much", "[mesh][gltf][limits]") {
+    const MeshFolder folder;
+    folder.write("square.bin", square_bytes());
+    const auto beyond = [&](const std::string& rest, const ImportLimits& limits) {
+        ImportOptions options;
+        options.limits = limits;
+        const auto result = import_mesh(folder.write("a.gltf", document(rest)), options);
+        REQUIRE(!result);
+        return result.error().message;
+    };
+    const std::string node = R"("nodes": [{"mesh": 0}])";
+    // Deep enough to end on the stack of a parser that follows.
+    const std::string deep = R"("extras": )" + std::string(100000, '[') + std::string(100000, ']') + ",";
+    CHECK(beyond(deep + one_mesh + node, {}).find("deeper than 256") != std::string::npos);
+    CHECK_NOTHROW(imported(folder.write("b.gltf", document(R"("extras": "[[\"[[", )" + one_mesh + node))));
+    CHECK(beyond(one_mesh + node, {.json_values = 20}).find("20 values") != std::string::npos);
+
+    // One square, 6 corners each time, used by three nodes.
+    const std::string nodes = R"("nodes": [{"mesh": 0}, {"mesh": 0}, {"mesh": 0}])";
+    ImportOptions enough;
+    enough.limits.corners = 18;
+    CHECK(import_mesh(folder.write("c.gltf", document(one_mesh + nodes)), enough));
+    CHECK(beyond(one_mesh + nodes, {.corners = 17}).find("17 vertices") != std::string::npos);
+
+}
+
+TEST_CASE("glTF: elements without a byte and primitives without a corner are counted", "[mesh][gltf][limits]") {
+    const MeshFolder folder;
+    // 40 nodes that use 40 primitives each; the accessor has no buffer view, so its elements are zeros.
+    const auto bare = [&](const std::string& count) {
+        std::string nodes = R"({"mesh": 0})", primitives = R"({"attributes": {"POSITION": 0}})";
+        for (int i = 1; i < 40; ++i) {
+            nodes += R"(, {"mesh": 0})";
+            primitives += R"(, {"attributes": {"POSITION": 0}})";
+        }
+        return folder.write("a.gltf", R"({"asset": {"version": "2.0"}, "nodes": [)" + nodes + R"(], "meshes": [{"primitives": [)" +
+                                          primitives + R"(]}], "accessors": [{"componentType": 5126, "type": "VEC3", "count": )" +
+                                          count + "}]}");
+    };
+    CHECK(refused(bare("0")).message.find("no faces") != std::string::npos);
+    CHECK(refused(bare("3")).message.find("1600 degenerate") != std::string::npos);
+    CHECK(refused(bare("100000000")).message.find("100000000 elements, expected at most") != std::string::npos);
+    ImportOptions few;
+    few.limits.corners = 60;
+    CHECK(import_mesh(bare("3"), few).error().message.find("60 vertices") != std::string::npos);
+    few = {};
+    few.limits.json_values = 1000;
+    const auto result = import_mesh(bare("0"), few);
+    REQUIRE(!result);
+    CHECK(result.error().message.find("more than 1000 primitives") != std::string::npos);
+}
+
 TEST_CASE("GLB holds its own buffer", "[mesh][gltf]") {
     const MeshFolder folder;
     const std::string whole = glb(document(one_mesh + R"("nodes": [{"mesh": 0}])", ""), square_bytes());

@@ -164,3 +164,40 @@ TEST_CASE("a dropped triangle without area leaves no hole", "[mesh][sides]") {
     CHECK(solid.report.one_sided_triangles == 5);
     CHECK(solid.mesh.closed);
 }
+
+TEST_CASE("thousands of triangles around one vertex, in no order, are decided like a few", "[mesh][sides]") {
+    // Two cones base to base; 7919 is prime, so that a stride of it meets every triangle.
+    const auto spindle = [](std::uint32_t around) {
+        Mesh mesh;
+        mesh.materials.push_back({"default", {}, {}, false});
+        mesh.positions = {{0, 0, 1}, {0, 0, -1}};
+        for (std::uint32_t i = 0; i < around; ++i) {
+            const double angle = 2 * 3.14159265358979 * i / around;
+            mesh.positions.push_back({std::cos(angle), std::sin(angle), 0});
+        }
+        for (std::uint32_t i = 0; i < 2 * around; ++i) {
+            const std::uint32_t n = i * 7919 % (2 * around), k = n / 2, a = k + 2, b = (k + 1) % around + 2;
+            mesh.triangles.push_back(n % 2 ? TriangleIndices{0, a, b} : TriangleIndices{1, b, a});
+            mesh.source_triangle.push_back(i);
+            mesh.material.push_back(0);
+        }
+        mesh.source_triangles = 2 * around;
+        return mesh;
+    };
+    for (const std::uint32_t around : {12u, 30'000u}) {
+        INFO(around);
+        CHECK(decided(spindle(around)).mesh.closed);
+        Mesh turned = spindle(around);
+        std::swap(turned.triangles[5][0], turned.triangles[5][1]);
+        CHECK_FALSE(decided(turned).mesh.closed);
+        const Decision fixed = decided(turned, TwoSided::Auto, true);
+        CHECK(fixed.mesh.closed);
+        CHECK(fixed.report.winding_fixed == 1);
+        Mesh open = spindle(around);
+        open.triangles.pop_back();
+        CHECK(decided(open).report.closed_components == 0);
+        Mesh doubled = spindle(around);
+        doubled.triangles.push_back(doubled.triangles[0]);
+        CHECK(decided(doubled).report.closed_components == 0);
+    }
+}

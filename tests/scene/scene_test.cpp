@@ -53,6 +53,20 @@ TEST_CASE("materials are the archive's, then those of *, then those of the exact
     CHECK(both.reflectance.size() == 6);
 }
 
+TEST_CASE("an archive's exitance that single precision cannot hold is refused, unless the manifest replaces it", "[scene]") {
+    SceneFiles files;
+    for (const double exitance : {1e300, 1e31, 1e-31}) {
+        TinyObject object = tiny_object();
+        object.materials[1].exitance = {1, exitance, 1};
+        files.add_archive("box.rro", object);
+        const Error error = files.error(files.instances(instance("a")));
+        CHECK(error.where == "room.json: /instances/0/archive");
+        CHECK_THAT(error.message, Catch::Matchers::Contains("material \"lamp\" of box.rro has an exitance of "));
+        const Scene scene = files.open(files.instances(instance("a", R"(, "materials": {"lamp": {"exitance": [1, 2, 3]}})")));
+        CHECK(scene.instances[0].exitance[kLamp] == Rgb{1, 2, 3});
+    }
+}
+
 TEST_CASE("a textured patch keeps its own reflectance until the manifest replaces it", "[scene]") {
     SceneFiles files;
     TinyObject object = tiny_object();
