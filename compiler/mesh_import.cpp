@@ -220,15 +220,16 @@ Vec3 clamped(Vec3 reflectance, bool& was_above) {
 }
 
 /// What texture and colours make of a triangle, as a factor.
-Vec3 colour_factor(const SourceMesh& source, const SourceMaterial& material, const KeptTriangle& triangle) {
+Vec3 colour_factor(const SourceMesh& source, const SourceMaterial& material, const KeptTriangle& triangle,
+                   std::uint64_t most_samples) {
     Vec3 factor{1, 1, 1};
     const auto& c = triangle.corners;
     if (!source.colours.empty()) factor = (source.colours[c[0]] + source.colours[c[1]] + source.colours[c[2]]) / 3;
     if (!material.texture) return factor;
     const Texture& texture = source.textures[material.texture->texture];
     if (source.uvs.empty()) return hadamard(factor, texture.mean);
-    return hadamard(
-        factor, mean_over_triangle(texture, *material.texture, {source.uvs[c[0]], source.uvs[c[1]], source.uvs[c[2]]}));
+    const std::array<Uv, 3> corners{source.uvs[c[0]], source.uvs[c[1]], source.uvs[c[2]]};
+    return hadamard(factor, mean_over_triangle(texture, *material.texture, corners, most_samples));
 }
 
 /// Reflectances per triangle, and per material as their mean over its area.
@@ -245,12 +246,13 @@ void fill_colours(const SourceMesh& source, const std::vector<KeptTriangle>& tri
     for (const std::uint32_t number : used)
         base.push_back(
             source.materials[number].reflectance.value_or(options.reflectance.value_or(unknown_reflectance)));
+    const std::uint64_t samples = options.limits.texture_samples / triangles.size();
     bool varies = !source.colours.empty();
     for (const std::uint32_t number : used) varies = varies || source.materials[number].texture.has_value();
     for (std::size_t t = 0; t < triangles.size(); ++t) {
         const std::uint32_t m = mesh.material[t];
-        const Vec3 colour =
-            clamped(hadamard(base[m], colour_factor(source, source.materials[used[m]], triangles[t])), sums[m].above);
+        const Vec3 factor = colour_factor(source, source.materials[used[m]], triangles[t], samples);
+        const Vec3 colour = clamped(hadamard(base[m], factor), sums[m].above);
         const double area = length(area_vector(corners_of(source, triangles[t])));
         sums[m].colour += colour * area;
         sums[m].area += area;

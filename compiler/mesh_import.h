@@ -15,12 +15,13 @@ namespace rro {
 /// What one mesh may take of memory and time, however little of either its files seem to ask for. What goes beyond is
 /// refused. With these a mesh stays below 8 GB and some minutes.
 struct ImportLimits {
-    std::uint64_t file_bytes = std::uint64_t{1} << 29;      // of the mesh and all it refers to, each as often as read
-    std::uint64_t corners = std::uint64_t{1} << 25;         // of all faces, and as many vertices: 11 million triangles
-    std::uint64_t json_values = std::uint64_t{1} << 21;     // of a glTF document; the library takes up to 2 kB for one
-    std::uint64_t image_pixels = std::uint64_t{1} << 26;    // of a texture: 8192 x 8192
-    std::uint64_t texture_pixels = std::uint64_t{1} << 28;  // of all textures together, 3 bytes each
-    std::uint64_t polygon_steps = std::uint64_t{1} << 31;   // comparisons of corners while polygons are cut up
+    std::uint64_t file_bytes = std::uint64_t{1} << 29;       // of the mesh and all it refers to, each as often as read
+    std::uint64_t corners = std::uint64_t{1} << 25;          // of all faces, and as many vertices: 11 million triangles
+    std::uint64_t json_values = std::uint64_t{1} << 21;      // of a glTF document; the library takes up to 2 kB for one
+    std::uint64_t image_pixels = std::uint64_t{1} << 26;     // of a texture: 8192 x 8192
+    std::uint64_t texture_pixels = std::uint64_t{1} << 28;   // of all textures together, 3 bytes each
+    std::uint64_t texture_samples = std::uint64_t{1} << 30;  // of all triangles; above a million of them get fewer each
+    std::uint64_t polygon_steps = std::uint64_t{1} << 31;    // comparisons of corners while polygons are cut up
 };
 
 struct ImportOptions {

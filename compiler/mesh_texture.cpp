@@ -78,7 +78,8 @@ std::optional<Texture> decode_texture(std::string_view bytes, std::uint64_t most
     return texture;
 }
 
-Vec3 mean_over_triangle(const Texture& texture, const TextureUse& use, const std::array<Uv, 3>& corners) {
+Vec3 mean_over_triangle(const Texture& texture, const TextureUse& use, const std::array<Uv, 3>& corners,
+                        std::uint64_t most_samples) {
     std::array<Vec3, 3> at;  // image u, v
     double longest = 0;      // in pixels
     for (std::size_t i = 0; i < 3; ++i) {
@@ -91,7 +92,8 @@ Vec3 mean_over_triangle(const Texture& texture, const TextureUse& use, const std
         longest = std::max({longest, std::abs(edge.x) * texture.width, std::abs(edge.y) * texture.height});
     }
     // Centroids of n^2 congruent parts: at least 16, more where the triangle covers many pixels, at most 1024.
-    const int n = static_cast<int>(std::clamp(std::ceil(longest / 2), 4.0, 32.0));
+    const double most = std::clamp(std::floor(std::sqrt(static_cast<double>(most_samples))), 4.0, 32.0);
+    const int n = static_cast<int>(std::clamp(std::ceil(longest / 2), 4.0, most));
     const Vec3 along = (at[1] - at[0]) / n, across = (at[2] - at[0]) / n;
     Vec3 sum;
     const auto add = [&](double i, double j) {

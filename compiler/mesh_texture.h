@@ -36,7 +36,11 @@ double srgb_to_linear(std::uint8_t value);
 /// `most_pixels`.
 std::optional<Texture> decode_texture(std::string_view bytes, std::uint64_t most_pixels);
 
-/// Linear mean of the texture over the triangle with these coordinates; over the whole image where one is not finite.
-Vec3 mean_over_triangle(const Texture& texture, const TextureUse& use, const std::array<Uv, 3>& corners);
+/// Linear mean of the texture over the triangle with these coordinates; over the whole image where one is not finite, or so
+/// far off that it names no pixel.
+///
+/// most_samples   pixels that are looked at, at least 16: 1024 is as fine as it gets
+Vec3 mean_over_triangle(const Texture& texture, const TextureUse& use, const std::array<Uv, 3>& corners,
+                        std::uint64_t most_samples);
 
 }  // namespace rro

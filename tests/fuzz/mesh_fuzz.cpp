@@ -24,6 +24,7 @@ constexpr ImportLimits kLimits{.file_bytes = 1 << 16,
                                .json_values = 1 << 12,
                                .image_pixels = 1 << 16,
                                .texture_pixels = 1 << 18,
+                               .texture_samples = 1 << 18,
                                .polygon_steps = 1 << 22};
 
 /// A folder in which a mesh finds a small file of each kind that it may refer to.

@@ -132,6 +132,32 @@ TEST_CASE("a texture with more pixels than are taken counts as none", "[mesh][li
     CHECK(imported(file).report.warnings.size() == 2);
 }
 
+TEST_CASE("where texture samples are few, each triangle gets fewer", "[mesh][limits]") {
+    const MeshFolder folder;
+    std::vector<std::array<unsigned char, 3>> noise(64 * 64);
+    std::uint32_t state = 1;
+    for (auto& pixel : noise) {
+        state = state * 1664525 + 1013904223;  // any noise will do
+        pixel.fill(static_cast<unsigned char>(state >> 24));
+    }
+    folder.write("a.bmp", bitmap(64, 64, noise));
+    folder.write("m.mtl", "newmtl t\nmap_Kd a.bmp\n");
+    const auto file = folder.write("a.obj", "mtllib m.mtl\nusemtl t\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\n"
+                                            "f 1/1 2/2 3/3\n");
+    const auto mean = [&](std::uint64_t samples) {
+        ImportOptions options;
+        options.limits.texture_samples = samples;
+        const auto result = import_mesh(file, options);
+        REQUIRE(result);
+        return result->mesh.reflectance.at(0).x;
+    };
+    CHECK(mean(1024) == mean(std::uint64_t{1} << 30));
+    CHECK(mean(1) == mean(16));  // as few as it gets
+    CHECK(mean(16) != mean(1024));
+    // Noise of mean 0.35 and deviation 0.3: sixteen samples give it to 0.3 / 4, three times that are sure.
+    CHECK(mean(16) == Approx(mean(1024)).margin(0.225));
+}
+
 TEST_CASE("equal positions are one, 0 and -0 too", "[mesh][weld]") {
     const std::vector<Vec3> positions{{1, 0, 0}, {0, 0, 0}, {1, -0.0, 0}, {0, 0, 1}, {-0.0, 0, 0}, {1, 0, 0}};
     CHECK(weld_positions(positions) == std::vector<std::uint32_t>{0, 1, 0, 3, 1, 0});
