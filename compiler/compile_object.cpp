@@ -10,6 +10,7 @@
 #include "compiler/object_bvh.h"
 #include "compiler/object_layout.h"
 #include "compiler/patches.h"
+#include "compiler/self_transport.h"
 #include "compiler/surface.h"
 #include "compiler/table_error.h"
 #include "format/rays/object_rays.h"
@@ -79,6 +80,26 @@ void store_errors(TableErrors errors, CompiledObject& object) {
     data.visibility_error = object.visibility_error;
 }
 
+void store_self_links(SelfLinks links, CompiledObject& object) {
+    object.self_steps = std::move(links.steps);
+    object.self_exchange = std::move(links.exchange);
+    object.self_visibility = std::move(links.visibility);
+    ObjectData& data = object.data;
+    data.self_steps = object.self_steps;
+    data.self_exchange = object.self_exchange;
+    data.self_visibility = object.self_visibility;
+}
+
+void store_closure(Closure closure, CompiledObject& object) {
+    object.self_escape = std::move(closure.escape);
+    object.self_received = std::move(closure.received);
+    object.self_black = std::move(closure.black);
+    ObjectData& data = object.data;
+    data.self_escape = object.self_escape;
+    data.self_received = object.self_received;
+    data.self_black = object.self_black;
+}
+
 }  // namespace
 
 Result<CompiledObject> compile_object(const Mesh& mesh, const CompileOptions& options,
@@ -118,8 +139,12 @@ Result<CompiledObject> compile_object(const Mesh& mesh, const CompileOptions& op
     const ObjectRays rays(object.positions, object.triangles);
     store_areas(measure_effective_areas(object.data, rays), object);
 
-    report("table errors", 0.85);
+    report("table errors", 0.6);
     store_errors(measure_table_errors(object.data, rays), object);
+
+    report("self links", 0.7);
+    store_self_links(measure_self_links(object.data, rays), object);
+    if (!object.self_steps.empty()) store_closure(measure_closure(object.data, rays), object);
     report("table errors", 1);
     return object;
 }

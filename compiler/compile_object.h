@@ -37,6 +37,8 @@ struct CompiledObject {
     std::vector<std::uint8_t> whole_area, intrinsic_area, visibility;
     std::vector<float> whole_area_scale, intrinsic_area_scale;
     std::vector<float> whole_area_error, intrinsic_area_error, visibility_error;
+    std::vector<std::uint8_t> self_steps, self_visibility;
+    std::vector<float> self_exchange, self_escape, self_received, self_black;
     std::uint32_t dropped_by_rounding = 0;  // triangles without an area in single precision; they have no row
 
     CompiledObject() = default;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "format/parallel.h"
+#include "format/self_links.h"
 #include "format/verifier.h"
 
 namespace rro {
@@ -85,6 +86,7 @@ class ContentVerifier {
     Status visibility() const;
     Status errors() const;
     Status source() const;
+    Status self_links() const;
 
     Status section(Section section) const {
         switch (section) {
@@ -98,6 +100,7 @@ class ContentVerifier {
             case Section::Errors: return errors();
             case Section::Hbv: return hbv();
             case Section::Source: return source();
+            case Section::SelfLinks: return self_links();
         }
         return Done{};
     }
@@ -396,6 +399,28 @@ Status ContentVerifier::errors() const {
     if (auto checked = error_bars("whole", o_.whole_area_error); !checked) return checked;
     if (auto checked = error_bars("intrinsic", o_.intrinsic_area_error); !checked) return checked;
     return error_bars("visibility", o_.visibility_error);
+}
+
+Status ContentVerifier::self_links() const {
+    const std::size_t links = o_.self_exchange.size();
+    for (std::size_t k = 0; k < links; ++k)
+        if (!not_negative(o_.self_exchange[k]))
+            return wrong("selflinks", "exchange", k, "", number(o_.self_exchange[k]), "a finite number from 0");
+    if (o_.self_visibility.size() != links)
+        return wrong("selflinks", "visibility", number(std::uint64_t{o_.self_visibility.size()}) + " bytes",
+                     number(std::uint64_t{links}) + ", one per link");
+    for (const auto& [field, shares] : {std::pair{"escape", o_.self_escape}, std::pair{"received", o_.self_received},
+                                        std::pair{"black", o_.self_black}}) {
+        if (!shares.empty() && shares.size() != o_.patches.size())
+            return wrong("selflinks", field, number(std::uint64_t{shares.size()}) + " numbers",
+                         number(std::uint64_t{o_.patches.size()}) + ", one per patch");
+        for (std::size_t p = 0; p < shares.size(); ++p)
+            if (!not_negative(shares[p]))
+                return wrong("selflinks", field, p, "", number(shares[p]), "a finite number from 0");
+    }
+    if (const auto fault = check_self_pairs(o_))
+        return wrong("selflinks", "steps", fault->step, "", fault->found, fault->expected);
+    return Done{};
 }
 
 }  // namespace

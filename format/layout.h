@@ -189,6 +189,14 @@ struct SourceField {
 };
 inline constexpr std::array kSource{array_of<std::uint32_t>("triangles")};
 
+struct SelfLinksField {
+    enum Number : std::uint16_t { steps, exchange, visibility, escape, received, black };
+};
+inline constexpr std::array kSelfLinks{
+    array_of<std::uint8_t>("steps"), array_of<float>("exchange"), array_of<std::uint8_t>("visibility"),
+    array_of<float>("escape"),       array_of<float>("received"), array_of<float>("black"),
+};
+
 /// A section this version knows.
 struct SectionSpec {
     std::string_view name;
@@ -210,6 +218,7 @@ inline constexpr std::array<SectionSpec, kSectionKinds> kSections{{
     {"errors", kErrors, Codec::Raw, false, Section::Area},
     {"hbv", kHbv, Codec::Zlib, false, Section::Mesh},
     {"source", kSource, Codec::Zlib, true, Section::Meta | Section::Mesh},
+    {"selflinks", kSelfLinks, Codec::Zlib, false, Section::Patches | Section::Clusters},
 }};
 constexpr const SectionSpec& spec_of(Section section) { return kSections[static_cast<std::size_t>(section)]; }
 

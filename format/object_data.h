@@ -130,6 +130,16 @@ struct ObjectData {
     std::span<const float> intrinsic_area_error;         // [K]
     std::span<const float> visibility_error;             // [K] of the seen area of the cluster's patches, each for itself
 
+    // Self links (format/self_links.h): steps of the pair tree in preorder, and two numbers for each of its L links.
+    std::span<const std::uint8_t> self_steps;
+    std::span<const float> self_exchange;                // [L] m^2, nothing between
+    std::span<const std::uint8_t> self_visibility;       // [L] share of it that the object leaves, / 255
+    // Where a patch's light goes, as shares: it escapes (by its visibility table), or meets a face (by the self links),
+    // or a black back (by rays). The three sum to 1 but for errors of tables and links.
+    std::span<const float> self_escape;                  // [P]
+    std::span<const float> self_received;                // [P]
+    std::span<const float> self_black;                   // [P]
+
     std::uint32_t directions() const { return meta.grid_size * meta.grid_size; }
     TriangleCorners corners(std::uint32_t triangle) const {
         const TriangleIndices& t = triangles[triangle];

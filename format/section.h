@@ -7,9 +7,9 @@ namespace rro {
 
 /// In the order in which they are verified: each needs only sections before it (layout::kSections says which).
 enum class Section : std::uint32_t {
-    Meta, Mesh, Materials, Patches, Clusters, Area, Visibility, Errors, Hbv, Source
+    Meta, Mesh, Materials, Patches, Clusters, Area, Visibility, Errors, Hbv, Source, SelfLinks
 };
-inline constexpr std::uint32_t kSectionKinds = 10;
+inline constexpr std::uint32_t kSectionKinds = 11;
 
 /// A set of sections: `Section::Area | Section::Visibility`.
 class SectionSet {
@@ -31,7 +31,8 @@ constexpr SectionSet operator|(Section a, SectionSet b) { return SectionSet(a) |
 
 /// What light in a scene is computed from, without the tables.
 inline constexpr SectionSet kGeometry = Section::Mesh | Section::Materials | Section::Patches | Section::Clusters;
-/// The tables per direction.
-inline constexpr SectionSet kTables = Section::Area | Section::Visibility | Section::Errors;
+/// The tables per direction, and transport inside the object.
+inline constexpr SectionSet kTables =
+    Section::Area | Section::Visibility | Section::Errors | Section::SelfLinks;
 
 }  // namespace rro

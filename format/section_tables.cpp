@@ -137,6 +137,28 @@ void read_hbv(const TableView& table, ObjectData& object) {
     object.volume_triangles = table.array<std::uint32_t>(layout::HbvField::triangles);
 }
 
+TableBuilder self_links_table(const ObjectData& object) {
+    using F = layout::SelfLinksField;
+    TableBuilder table;
+    table.array(F::steps, object.self_steps);
+    table.array(F::exchange, object.self_exchange);
+    table.array(F::visibility, object.self_visibility);
+    table.array(F::escape, object.self_escape);
+    table.array(F::received, object.self_received);
+    table.array(F::black, object.self_black);
+    return table;
+}
+
+void read_self_links(const TableView& table, ObjectData& object) {
+    using F = layout::SelfLinksField;
+    object.self_steps = table.array<std::uint8_t>(F::steps);
+    object.self_exchange = table.array<float>(F::exchange);
+    object.self_visibility = table.array<std::uint8_t>(F::visibility);
+    object.self_escape = table.array<float>(F::escape);
+    object.self_received = table.array<float>(F::received);
+    object.self_black = table.array<float>(F::black);
+}
+
 template <class T>
 TableBuilder array_table(std::uint16_t field, std::span<const T> values) {
     TableBuilder table;
@@ -158,6 +180,7 @@ TableBuilder section_table(const ObjectData& object, Section section) {
         case Section::Errors: return errors_table(object);
         case Section::Hbv: return hbv_table(object);
         case Section::Source: return array_table(layout::SourceField::triangles, object.source_triangle);
+        case Section::SelfLinks: return self_links_table(object);
     }
     return {};
 }
@@ -168,6 +191,7 @@ bool has_content(const ObjectData& object, Section section) {
         case Section::Visibility: return !object.visibility.empty();
         case Section::Errors: return object.error_directions != 0;
         case Section::Hbv: return !object.volumes.empty();
+        case Section::SelfLinks: return !object.self_steps.empty();
         default: return true;
     }
 }
@@ -188,6 +212,7 @@ void read_section(const TableView& table, Section section, ObjectData& object) {
         case Section::Source:
             object.source_triangle = table.array<std::uint32_t>(layout::SourceField::triangles);
             return;
+        case Section::SelfLinks: return read_self_links(table, object);
     }
 }
 

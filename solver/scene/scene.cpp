@@ -75,7 +75,7 @@ Result<std::unique_ptr<Object>> open_object(const std::filesystem::path& path, S
     auto archive = Archive::open(path, wanted);
     if (!archive) return archive.error();
     if (auto checked = check_tables(*archive, wanted, path); !checked) return checked.error();
-    auto object = std::make_unique<Object>(Object{path, std::move(*archive), nullptr, {}, {}, {}});
+    auto object = std::make_unique<Object>(Object{path, std::move(*archive), nullptr, {}, {}, {}, {}});
     const ObjectData& data = object->data();
     object->rays = std::make_unique<ObjectRays>(data.positions, data.triangles);
     object->front_face.assign(data.triangles.size(), kNoFace);
@@ -87,6 +87,7 @@ Result<std::unique_ptr<Object>> open_object(const std::filesystem::path& path, S
     object->patch_of_face.assign(data.faces.size(), 0);
     for (std::uint32_t p = 0; p < data.patches.size(); ++p)
         std::fill_n(object->patch_of_face.begin() + data.patches[p].first_face, data.patches[p].face_count, p);
+    object->self_pairs = self_pairs(data);
     return object;
 }
 

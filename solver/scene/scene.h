@@ -7,6 +7,7 @@
 
 #include "format/archive_reader.h"
 #include "format/rays/object_rays.h"
+#include "format/self_links.h"
 #include "solver/scene/manifest.h"
 
 namespace rro {
@@ -19,6 +20,7 @@ struct Object {
     std::vector<std::uint32_t> front_face;  // [T] face number of a triangle's front
     std::vector<std::uint32_t> back_face;   // [T] of its back, or kNoFace
     std::vector<std::uint32_t> patch_of_face;  // [F]
+    std::vector<SelfPair> self_pairs;          // preorder; empty where the archive has none
 
     const ObjectData& data() const { return archive.data(); }
 };

@@ -25,9 +25,10 @@ Vec3 arrival(const Node& flat, const Vec3& u) {
     return dot(n, u) >= kLowest ? u : n;
 }
 
-// A receiver of scalar links: planar, and the source sends one radiosity.
-bool scalar_half(const Node& receiver, const Node& source) {
-    return receiver.kind == NodeKind::Surface && source.kind != NodeKind::Bins;
+// A link whose exchange area is known for the ends as they are, or whose receiver is planar and whose source sends one
+// radiosity: all faces of the receiver get the same.
+bool scalar_half(const Link& link, const Node& receiver, const Node& source) {
+    return link.near || (receiver.kind == NodeKind::Surface && source.kind != NodeKind::Bins);
 }
 
 }  // namespace
@@ -80,13 +81,14 @@ void LightField<C>::set_links(const std::vector<Link>& links) {
     bins_.reset();
     scalar_first_.assign(nodes_.size() + 1, 0);
     directed_first_.assign(nodes_.size() + 1, 0);
-    const auto count = [&](std::uint32_t receiver, std::uint32_t source) {
-        ++(scalar_half(nodes_[receiver], nodes_[source]) ? scalar_first_ : directed_first_)[receiver + 1];
+    const auto count = [&](const Link& l, std::uint32_t receiver, std::uint32_t source) {
+        ++(scalar_half(l, nodes_[receiver], nodes_[source]) ? scalar_first_ : directed_first_)[receiver + 1];
     };
     for (const Link& l : links) {
         if (l.base_a == 0 && l.base_b == 0) continue;
-        count(l.a, l.b);
-        count(l.b, l.a);
+        count(l, l.a, l.b);
+        count(l, l.b, l.a);
+        if (l.near) continue;
         if (nodes_[l.a].kind == NodeKind::Bins) bins_.use(l.a, l.mode_a);
         if (nodes_[l.b].kind == NodeKind::Bins) bins_.use(l.b, l.mode_b);
     }
@@ -107,10 +109,10 @@ void LightField<C>::set_links(const std::vector<Link>& links) {
                               EndMode receiver_mode, EndMode source_mode) {
             const Node &r = nodes_[receiver], &s = nodes_[source];
             double gain = double(base);
-            if (s.kind != NodeKind::Bins) gain *= std::numbers::inv_pi;
-            if (r.kind == NodeKind::Surface) gain /= r.area;
-            if (r.kind == NodeKind::Flat) gain /= dot(r.area_vector, arrival(r, u));
-            if (scalar_half(r, s))
+            if (l.near || s.kind != NodeKind::Bins) gain *= std::numbers::inv_pi;
+            if (l.near || r.kind == NodeKind::Surface) gain /= r.area;
+            if (!l.near && r.kind == NodeKind::Flat) gain /= dot(r.area_vector, arrival(r, u));
+            if (scalar_half(l, r, s))
                 scalar_[scalar_next[receiver]++] = {source, static_cast<float>(gain)};
             else
                 directed_[directed_next[receiver]++] = {source,        static_cast<float>(gain),
@@ -134,16 +136,15 @@ template <int C>
 void LightField<C>::gather_surfaces() {
     parallel_for(nodes_.size(), kGrain, [&](std::size_t id) {
         const Node& node = nodes_[static_cast<std::uint32_t>(id)];
+        std::array<double, C> e{};
+        for (std::uint32_t k = scalar_first_[id]; k < scalar_first_[id + 1]; ++k)
+            for (std::size_t c = 0; c < C; ++c)
+                e[c] += double(scalar_[k].gain) * double(radiosity_[scalar_[k].source * C + c]);
         if (node.kind == NodeKind::Surface) {
-            std::array<double, C> e{};
-            for (std::uint32_t k = scalar_first_[id]; k < scalar_first_[id + 1]; ++k)
-                for (std::size_t c = 0; c < C; ++c)
-                    e[c] += double(scalar_[k].gain) * double(radiosity_[scalar_[k].source * C + c]);
             for (std::uint32_t k = directed_first_[id]; k < directed_first_[id + 1]; ++k) {
                 const auto value = source_value(directed_[k]);
                 for (std::size_t c = 0; c < C; ++c) e[c] += double(directed_[k].gain) * double(value[c]);
             }
-            for (std::size_t c = 0; c < C; ++c) irradiance_[id * C + c] = static_cast<float>(e[c]);
         } else if (node.kind == NodeKind::Flat) {
             std::array<double, 3 * C> v{};
             for (std::uint32_t k = directed_first_[id]; k < directed_first_[id + 1]; ++k) {
@@ -159,6 +160,7 @@ void LightField<C>::gather_surfaces() {
             }
             for (std::size_t c = 0; c < 3 * C; ++c) vectors_[node.slot * std::size_t(3 * C) + c] = static_cast<float>(v[c]);
         }
+        for (std::size_t c = 0; c < C; ++c) irradiance_[id * C + c] = static_cast<float>(e[c]);
     });
 }
 
@@ -176,12 +178,17 @@ void LightField<C>::gather_bins() {
     });
 }
 
-// Irradiance of flat nodes and faces goes down to the leaves; irradiance_ of a face with elements ends as their mean.
+// Irradiance of clusters, flat nodes and faces goes down to the leaves; irradiance_ of a face with elements ends as their
+// mean.
 template <int C>
 void LightField<C>::push_instance(std::uint32_t i) {
     const InstanceNodes& in = nodes_.instance(i);
+    const auto add_parent = [&](std::uint32_t id) {
+        for (std::size_t c = 0; c < C; ++c) irradiance_[id * C + c] += irradiance_[nodes_[id].parent * C + c];
+    };
     for (std::uint32_t id = in.first_cluster; id < in.first_face; ++id) {
         const Node& n = nodes_[id];
+        if (n.parent != kNoNode) add_parent(id);
         if (n.kind != NodeKind::Flat || n.parent == kNoNode || nodes_[n.parent].kind != NodeKind::Flat) continue;
         for (std::size_t c = 0; c < 3 * C; ++c)
             vectors_[n.slot * std::size_t(3 * C) + c] += vectors_[nodes_[n.parent].slot * std::size_t(3 * C) + c];
@@ -195,9 +202,9 @@ void LightField<C>::push_instance(std::uint32_t i) {
             const double e = normal.x * double(v[3 * c]) + normal.y * double(v[3 * c + 1]) + normal.z * double(v[3 * c + 2]);
             irradiance_[id * C + c] += static_cast<float>(std::max(0.0, e));
         }
+        add_parent(id);
     }
-    for (const std::uint32_t id : in.elements)
-        for (std::size_t c = 0; c < C; ++c) irradiance_[id * C + c] += irradiance_[nodes_[id].parent * C + c];
+    for (const std::uint32_t id : in.elements) add_parent(id);
 }
 
 // Area-weighted means from leaves to roots.

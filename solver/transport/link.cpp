@@ -44,6 +44,9 @@ constexpr double kNegligible = 0.25;
 // Light within a node is left out, not approximated, so it must be this much smaller than a link's tolerance.
 constexpr double kDarkSelf = 0.05;
 
+// What a pair's own object leaves of its light, where that is not known.
+constexpr double kOwnUnknown = -1;
+
 // Owen-scrambled points halve the deviation of independent ones at these counts (measured for penumbrae).
 constexpr double kSobolGain = 0.6;
 
@@ -165,19 +168,116 @@ double LinkBuilder::weight(const Guide& guide, std::uint32_t to, std::uint32_t f
     return reflected(guide, nodes_, to, from, 1) / (link_tolerance(guide, nodes_[to]) * part);
 }
 
-Verdict LinkBuilder::judge(std::uint32_t a, std::uint32_t b, const Guide& guide) const {
+Verdict LinkBuilder::judge(const Pair& pair, const Guide& guide) const {
+    const auto [a, b, stored] = pair;
     Verdict v;
-    if (guide.radiosity[a] == 0 && guide.radiosity[b] == 0) {
-        v.action = Verdict::Action::Pending;
+    v.action = Verdict::Action::Pending;
+    if (guide.radiosity[a] == 0 && guide.radiosity[b] == 0) return v;
+    if (stored == kNotStored) {
+        if (a != b) return judge_by_geometry(a, b, guide, kOwnUnknown);
+        if (splits_self(a, guide)) v.action = Verdict::Action::SplitA;
         return v;
     }
-    const Node &na = nodes_[a], &nb = nodes_[b];
-    if (!may_see(na, nb) || !may_see(nb, na)) return v;
-    return na.kind == NodeKind::Surface && nb.kind == NodeKind::Surface ? judge_near(a, b, guide)
-                                                                        : judge_far(a, b, guide);
+    const SelfPair& known = nodes_.scene().instances[nodes_[a].instance].object->self_pairs[stored];
+    if (known.step == PairStep::Dark || known.seen == 0) return {};
+    const bool whole = is_whole(known, pair);
+    if (whole && nodes_.instance(nodes_[a].instance).similarity > 0) {
+        v = judge_stored(pair, known, guide);
+    } else if (a == b) {
+        v.action = splits_self(a, guide) ? Verdict::Action::SplitA : Verdict::Action::Pending;
+    } else {
+        const bool open = known.step == PairStep::Link && known.seen == known.unoccluded;
+        v = judge_by_geometry(a, b, guide, open ? 1 : whole ? double(known.seen) / double(known.unoccluded) : kOwnUnknown);
+        const bool divides = v.action == Verdict::Action::SplitA || v.action == Verdict::Action::SplitB;
+        if (whole && divides && known.step != PairStep::Link) v.action = stored_split(known, pair);
+    }
+    v.link.stored = stored;
+    return v;
 }
 
-Verdict LinkBuilder::judge_near(std::uint32_t a, std::uint32_t b, const Guide& guide) const {
+// Is the pair all of what is stored, rather than a part of a link's ends?
+bool LinkBuilder::is_whole(const SelfPair& stored, const Pair& pair) const {
+    const Node &na = nodes_[pair.a], &nb = nodes_[pair.b];
+    const ObjectData& data = nodes_.scene().instances[na.instance].data();
+    const auto all_of = [&](const Node& n, std::uint32_t c) {
+        const auto range = nodes_.patches(n);
+        const Cluster& cluster = data.clusters[c];
+        if (range[0] != cluster.first_patch || range[1] - range[0] != cluster.patch_count) return false;
+        return n.kind != NodeKind::Surface || (n.depth == 0 && data.patches[range[0]].face_count == 1);
+    };
+    return (all_of(na, stored.a) && all_of(nb, stored.b)) || (all_of(na, stored.b) && all_of(nb, stored.a));
+}
+
+// The end that the stored tree divides.
+Verdict::Action LinkBuilder::stored_split(const SelfPair& stored, const Pair& pair) const {
+    if (stored.step == PairStep::SplitSelf) return Verdict::Action::SplitA;
+    const ObjectData& data = nodes_.scene().instances[nodes_[pair.a].instance].data();
+    const std::uint32_t divided = stored.step == PairStep::SplitFirst ? stored.a : stored.b;
+    const bool is_a = nodes_.patches(nodes_[pair.a])[0] == data.clusters[divided].first_patch;
+    return is_a ? Verdict::Action::SplitA : Verdict::Action::SplitB;
+}
+
+Verdict LinkBuilder::judge_stored(const Pair& pair, const SelfPair& stored, const Guide& guide) const {
+    const auto [a, b, number] = pair;
+    const Node &na = nodes_[a], &nb = nodes_[b];
+    const double scale = nodes_.instance(na.instance).similarity;
+    const double g = scale * scale * double(stored.seen), own = double(stored.seen) / double(stored.unoccluded);
+    const double over_a = weight(guide, a, b, g), over_b = weight(guide, b, a, g);
+    const double d = std::max(length(nb.centre - na.centre), 1e-300);
+    // What one irradiance for all of a receiver, and one radiosity for all of a source, may be wrong by.
+    const auto received = [&](const Node& n) {
+        const double r = std::min(10.0, double(n.radius) / d);
+        if (n.kind == NodeKind::Surface) return kWithinFace * r;
+        return n.kind == NodeKind::Flat ? kGradient * r * (1 + r) + kTiltError * (1 - double(n.cone_cosine)) : 1.0;
+    };
+    const auto sent = [&](const Node& n) {
+        const double r = std::min(1.0, double(n.radius) / d);
+        return n.kind == NodeKind::Surface || n.kind == NodeKind::Flat ? kCurvature * r * r : kCurvature;
+    };
+    const double shadow = std::sqrt(own * (1 - own));
+    const auto share = [&](const Node& n) { return n.kind == NodeKind::Surface ? kShadowWithinFace : 1.0; };
+    const double error_a = std::hypot(received(na), sent(nb), shadow * share(na));
+    const double error_b = std::hypot(received(nb), sent(na), shadow * share(nb));
+    Verdict v;
+    const double harm_a = over_a * error_a * g, harm_b = over_b * error_b * g;
+    if (std::max(harm_a, harm_b) > 1) {
+        if (stored.step != PairStep::Link) {
+            v.action = stored_split(stored, pair);
+            return v;
+        }
+        if (a == b) {
+            v.action = Verdict::Action::SplitA;
+            return v;
+        }
+        return judge_by_geometry(a, b, guide, own == 1 ? 1 : kOwnUnknown);
+    }
+    Transmittance t;
+    if (a != b) t = transmittance(a, b, EndMode::Inside, EndMode::Inside, g * std::max(over_a, over_b), 1);
+    const double third = std::sqrt(t.spread);
+    v.rays = t.rays;
+    if (std::max(over_a * share(na), over_b * share(nb)) * third * g > 1) {
+        v.action = stored.step != PairStep::Link ? stored_split(stored, pair) : split(a, b, na.radius >= nb.radius).action;
+        if (v.action != Verdict::Action::Accept) return v;
+    }
+    v.action = Verdict::Action::Accept;
+    v.link.a = a;
+    v.link.b = b;
+    v.link.near = true;
+    v.link.base_a = static_cast<float>(g * t.mean * std::numbers::pi);
+    v.link.base_b = a == b ? 0.0f : v.link.base_a;
+    v.link.error_a = static_cast<float>(g * std::hypot(error_a * t.mean, share(na) * third * 0.5, std::sqrt(t.variance)));
+    v.link.error_b = a == b ? 0.0f : static_cast<float>(g * std::hypot(error_b * t.mean, share(nb) * third * 0.5, std::sqrt(t.variance)));
+    return v;
+}
+
+Verdict LinkBuilder::judge_by_geometry(std::uint32_t a, std::uint32_t b, const Guide& guide, double own) const {
+    const Node &na = nodes_[a], &nb = nodes_[b];
+    if (!may_see(na, nb) || !may_see(nb, na)) return {};
+    return na.kind == NodeKind::Surface && nb.kind == NodeKind::Surface ? judge_near(a, b, guide, own)
+                                                                        : judge_far(a, b, guide, own);
+}
+
+Verdict LinkBuilder::judge_near(std::uint32_t a, std::uint32_t b, const Guide& guide, double own) const {
     const Node &na = nodes_[a], &nb = nodes_[b];
     const TriangleCorners ca = nodes_.corners(a), cb = nodes_.corners(b);
     const double reach = double(na.radius) + double(nb.radius);
@@ -214,7 +314,7 @@ Verdict LinkBuilder::judge_near(std::uint32_t a, std::uint32_t b, const Guide& g
         const Verdict v = split(a, b, fail_a >= fail_b);
         if (v.action != Verdict::Action::Accept) return v;
     }
-    const Transmittance t = transmittance(a, b, EndMode::Inside, EndMode::Inside, g * std::max(over_a, over_b));
+    const Transmittance t = transmittance(a, b, EndMode::Inside, EndMode::Inside, g * std::max(over_a, over_b), own);
     const double shadow = kShadowWithinFace * g * std::sqrt(t.spread);
     if (std::max(over_a, over_b) * shadow > 1) {
         Verdict v = split(a, b, over_a * na.area >= over_b * nb.area);
@@ -233,7 +333,7 @@ Verdict LinkBuilder::judge_near(std::uint32_t a, std::uint32_t b, const Guide& g
     return v;
 }
 
-Verdict LinkBuilder::judge_far(std::uint32_t a, std::uint32_t b, const Guide& guide) const {
+Verdict LinkBuilder::judge_far(std::uint32_t a, std::uint32_t b, const Guide& guide, double own) const {
     const Node &na = nodes_[a], &nb = nodes_[b];
     if (na.kind == NodeKind::Cluster) return split(a, b, true);
     if (nb.kind == NodeKind::Cluster) return split(a, b, false);
@@ -291,8 +391,10 @@ Verdict LinkBuilder::judge_far(std::uint32_t a, std::uint32_t b, const Guide& gu
         if (v.action != Verdict::Action::Accept) return v;
     }
 
-    const double share_a = areas_.visible_share(na, w, mode_a), share_b = areas_.visible_share(nb, -w, mode_b);
-    const Transmittance t = transmittance(a, b, mode_a, mode_b, strongest * share_a * share_b);
+    // What an end hides of itself is part of what its object hides.
+    const double share_a = own >= 0 ? 1 : areas_.visible_share(na, w, mode_a);
+    const double share_b = own >= 0 ? 1 : areas_.visible_share(nb, -w, mode_b);
+    const Transmittance t = transmittance(a, b, mode_a, mode_b, strongest * share_a * share_b, own);
     const double seen = g * share_a * share_b;
     const auto shadow_error = [&](const Node& n) {
         return (n.kind == NodeKind::Surface ? kShadowWithinFace : 1.0) * std::sqrt(t.spread);
@@ -362,9 +464,13 @@ EndPoint end_point(const Nodes& nodes, const EndAreas& areas, std::uint32_t id, 
 }  // namespace
 
 LinkBuilder::Transmittance LinkBuilder::transmittance(std::uint32_t a, std::uint32_t b, EndMode mode_a, EndMode mode_b,
-                                                      double need) const {
+                                                      double need, double own) const {
     Transmittance t;
     if (options_.visibility == TransportOptions::Visibility::None) return t;
+    if (own >= 0) {
+        t.mean = own;
+        t.spread = own * (1 - own);
+    }
     const auto key = [&](std::uint32_t id) {
         const Node& n = nodes_[id];
         std::uint64_t k = mix64(instance_key_[n.instance] ^ (std::uint64_t(n.kind) << 40 | n.index));
@@ -387,12 +493,13 @@ LinkBuilder::Transmittance LinkBuilder::transmittance(std::uint32_t a, std::uint
     thread_local Candidates candidates;
     rays_.candidates(na.box, nb.box, candidates);
     const auto harmless = [&](std::uint32_t i) {
-        const auto own = [&](const Node& n, EndMode mode) {
-            // An end's own object is in its table, or cannot come between the end and anything in front of it.
+        const auto cleared = [&](const Node& n, EndMode mode) {
+            // An end's own object is in its table, or known, or cannot come between the end and anything in front of it.
+            if (n.instance == i && own >= 0) return true;
             return n.instance == i && (mode == EndMode::Outside || nodes_.instance(i).planar ||
                                        (nodes_.scene().instances[i].data().meta.convex && n.kind == NodeKind::Surface));
         };
-        return own(na, mode_a) || own(nb, mode_b);
+        return cleared(na, mode_a) || cleared(nb, mode_b);
     };
     std::erase_if(candidates, harmless);
     if (candidates.empty()) return t;
@@ -428,8 +535,10 @@ LinkBuilder::Transmittance LinkBuilder::transmittance(std::uint32_t a, std::uint
         t.variance = kSobolGain * kSobolGain * t.spread / std::max(1.0, m);
         if (need * need * t.variance <= 1) break;
     }
-    t.mean = total > 0 ? open / total : 0.0;  // 0: no pair of points faces one another
-    if (hits == 0 || hits == t.rays) t.spread = 0;  // no sign of a shadow edge
+    const double known = own >= 0 ? own : 1;
+    t.mean = total > 0 ? known * open / total : 0.0;  // 0: no pair of points faces one another
+    if (hits == 0 || hits == t.rays) t.spread = 0;    // no sign of a shadow edge
+    t.spread += known * (1 - known);
     return t;
 }
 

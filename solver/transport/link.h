@@ -11,15 +11,25 @@
 
 namespace rro {
 
+inline constexpr std::uint32_t kNotStored = 0xffffffffu;
+
+/// Two nodes that may exchange light; a == b: within one node.
+struct Pair {
+    std::uint32_t a, b;
+    std::uint32_t stored = kNotStored;  // the smallest of the archive's pairs that holds it; pairs of one object only
+};
+
 /// One link serves both directions. Far: with w the direction between the centres and d their distance, base =
 /// transmittance / d^2 times, for every end that is no Bins node, its visible projected area. Near: pi A F V instead,
-/// from the exact kernel at points of the receiver, so that what a point receives from all around sums to one.
+/// from the exact kernel at points of the receiver or from the archive's self links, so that what a point receives from all
+/// around sums to one; all faces of either end count alike.
 struct Link {
     std::uint32_t a = 0, b = 0;
     float base_a = 0, base_b = 0;    // for light that a receives, that b receives; equal for far pairs
     float error_a = 0, error_b = 0;  // standard error of the exchange area as it matters to a, to b; m^2
     EndMode mode_a = EndMode::Inside, mode_b = EndMode::Inside;
     bool near = false;
+    std::uint32_t stored = kNotStored;  // as in Pair
 };
 
 /// What refinement knows of the light so far: one number per node, the root mean square over channels.
@@ -50,20 +60,25 @@ class LinkBuilder {
   public:
     LinkBuilder(const Nodes& nodes, const EndAreas& areas, const SceneRays& rays, const TransportOptions& options);
 
-    /// Judges a pair of different nodes under the present guide.
-    Verdict judge(std::uint32_t a, std::uint32_t b, const Guide& guide) const;
-
-    /// Could light go within a node by more than its tolerance? If so its children must be paired.
-    bool splits_self(std::uint32_t node, const Guide& guide) const;
+    /// Judges a pair under the present guide.
+    Verdict judge(const Pair& pair, const Guide& guide) const;
 
     /// Can a node be divided further?
     bool divisible(const Node& node) const;
 
   private:
+    Verdict judge_by_geometry(std::uint32_t a, std::uint32_t b, const Guide& guide, double own) const;
+    /// A pair that is one of the archive's, so that its exchange area is known.
+    Verdict judge_stored(const Pair& pair, const SelfPair& stored, const Guide& guide) const;
+    bool is_whole(const SelfPair& stored, const Pair& pair) const;
+    Verdict::Action stored_split(const SelfPair& stored, const Pair& pair) const;
+    /// Could light go within a node by more than its tolerance? If so its children must be paired.
+    bool splits_self(std::uint32_t node, const Guide& guide) const;
     /// Tolerances that one m^2 of exchange area uses up at `to`, for a pair of this exchange area.
     double weight(const Guide& guide, std::uint32_t to, std::uint32_t from, double exchange) const;
-    Verdict judge_near(std::uint32_t a, std::uint32_t b, const Guide& guide) const;
-    Verdict judge_far(std::uint32_t a, std::uint32_t b, const Guide& guide) const;
+    // own: what the ends' common object leaves, where that is known; else negative, and rays test it.
+    Verdict judge_near(std::uint32_t a, std::uint32_t b, const Guide& guide, double own) const;
+    Verdict judge_far(std::uint32_t a, std::uint32_t b, const Guide& guide, double own) const;
     Verdict split(std::uint32_t a, std::uint32_t b, bool prefer_a) const;
     bool may_see(const Node& from, const Node& to) const;
     /// Does the object hide nothing of itself, so that its visibility is 1 wherever it faces?
@@ -71,12 +86,13 @@ class LinkBuilder {
     EndMode end_mode(const Node& end, const Node& other, double affordable_error) const;
 
     /// Mean transmittance between two ends and the variance of that mean. `need`: the ray count doubles until its
-    /// standard deviation times `need` is below 1.
+    /// standard deviation times `need` is below 1. `own` as above.
     struct Transmittance {
         double mean = 1, variance = 0, spread = 0;  // spread: variance of one ray
         std::uint32_t rays = 0;
     };
-    Transmittance transmittance(std::uint32_t a, std::uint32_t b, EndMode mode_a, EndMode mode_b, double need) const;
+    Transmittance transmittance(std::uint32_t a, std::uint32_t b, EndMode mode_a, EndMode mode_b, double need,
+                                double own) const;
 
     const Nodes& nodes_;
     const EndAreas& areas_;

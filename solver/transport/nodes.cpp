@@ -28,6 +28,18 @@ ElementCorners child_corners(const ElementCorners& c, int child) {
     }
 }
 
+/// The factor by which a map changes all lengths; 0 where there is no such factor.
+double similarity_of(const Affine3& map) {
+    constexpr double kSame = 1e-6;  // relative; exchange areas are known to no more than that
+    const std::array<Vec3, 3> axes{map.vector({1, 0, 0}), map.vector({0, 1, 0}), map.vector({0, 0, 1})};
+    const double square = length2(axes[0]);
+    for (std::size_t k = 0; k < 3; ++k)
+        if (std::abs(length2(axes[k]) - square) > kSame * square ||
+            std::abs(dot(axes[k], axes[(k + 1) % 3])) > kSame * square)
+            return 0;
+    return std::sqrt(square);
+}
+
 }  // namespace
 
 Nodes::Nodes(const Scene& scene) : scene_(&scene), instances_(scene.instances.size()) {
@@ -146,6 +158,7 @@ void Nodes::add_instance(std::uint32_t i) {
     }
     std::sort(in.terminals.begin(), in.terminals.end());
 
+    in.similarity = similarity_of(instance.to_world);
     const Node& root = nodes_[in.first_cluster];
     const Vec3 n = root.normal();
     in.planar = root.cone_cosine > 1 - 1e-6f;
@@ -173,6 +186,15 @@ TriangleCorners Nodes::corners(std::uint32_t surface) const {
     }
     if (instance.determinant_sign < 0) std::swap(e[1], e[2]);
     return e;
+}
+
+std::array<std::uint32_t, 2> Nodes::patches(const Node& node) const {
+    if (node.kind == NodeKind::Surface) {
+        const std::uint32_t p = patch_of(node);
+        return {p, p + 1};
+    }
+    const Cluster& cluster = scene_->instances[node.instance].data().clusters[node.index];
+    return {cluster.first_patch, cluster.first_patch + cluster.patch_count};
 }
 
 std::array<std::uint32_t, 2> Nodes::faces(const Node& node) const {

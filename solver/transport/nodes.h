@@ -51,6 +51,7 @@ struct InstanceNodes {
     std::vector<std::uint32_t> elements;   // node numbers, ascending
     std::vector<std::uint32_t> terminals;  // Bins nodes without Bins children: light reaches patches from these
     bool planar = false;                   // all in one plane: it cannot block itself
+    double similarity = 0;                 // factor of lengths where the transform keeps shapes, else 0
 };
 
 /// An element's corners within its face, barycentric.
@@ -80,6 +81,9 @@ class Nodes {
     /// World corners of a surface node, counter-clockwise from its side.
     TriangleCorners corners(std::uint32_t surface) const;
     const ElementCorners& element_corners(std::uint32_t element) const { return element_corners_[nodes_[element].index]; }
+
+    /// Half-open range of patch numbers that a node holds or is part of.
+    std::array<std::uint32_t, 2> patches(const Node& node) const;
 
     /// Half-open range of face numbers below a node.
     std::array<std::uint32_t, 2> faces(const Node& node) const;

@@ -17,6 +17,26 @@ bool outgrown(const Link& l, const Nodes& nodes, const Guide& guide) {
            reflected(guide, nodes, l.b, l.a, double(l.error_b)) > kOutgrown * link_tolerance(guide, nodes[l.b]);
 }
 
+/// The stored pairs below a stored pair, in the order in which a division makes them.
+class StoredChildren {
+  public:
+    StoredChildren(const Nodes& nodes, std::uint32_t instance, std::uint32_t stored)
+        : pairs_(nodes.scene().instances[instance].object->self_pairs), stored_(stored) {}
+
+    /// Below a link there are none: parts of its ends keep it.
+    std::uint32_t operator[](std::size_t k) const {
+        if (stored_ == kNotStored || pairs_[stored_].step == PairStep::Link || pairs_[stored_].step == PairStep::Dark)
+            return stored_;
+        std::uint32_t child = stored_ + 1;
+        for (; k > 0; --k) child = pairs_[child].end;
+        return child;
+    }
+
+  private:
+    const std::vector<SelfPair>& pairs_;
+    std::uint32_t stored_;
+};
+
 class Refiner {
   public:
     Refiner(LinkSet& set, Nodes& nodes, Guide& guide, const LinkBuilder& builder)
@@ -28,7 +48,7 @@ class Refiner {
         std::size_t kept = 0;
         for (const Link& l : set_.links) {
             if (outgrown(l, nodes_, guide_))
-                stack_.push_back({l.a, l.b});
+                stack_.push_back({l.a, l.b, l.stored});
             else
                 set_.links[kept++] = l;
         }
@@ -39,30 +59,28 @@ class Refiner {
             stack_.resize(stack_.size() - count);
             verdicts_.assign(count, {});
             parallel_for(count, kGrain, [&](std::size_t k) {
-                const auto [a, b] = batch_[k];
-                if (a != b) verdicts_[k] = builder_.judge(a, b, guide_);
-                else verdicts_[k].action = builder_.splits_self(a, guide_) ? Verdict::Action::SplitA : Verdict::Action::Pending;
+                verdicts_[k] = builder_.judge(batch_[k], guide_);
             });
             for (std::size_t k = 0; k < count; ++k) take(batch_[k], verdicts_[k]);
         }
     }
 
   private:
-    void take(const LinkSet::Pair& pair, const Verdict& v) {
+    void take(const Pair& pair, const Verdict& v) {
         set_.rays += v.rays;
         switch (v.action) {
             case Verdict::Action::Drop: break;
             case Verdict::Action::Pending: set_.pending.push_back(pair); break;
             case Verdict::Action::Accept: set_.links.push_back(v.link); break;
             case Verdict::Action::SplitA:
-                if (pair.a == pair.b) split_self(pair.a);
-                else split(pair.a, pair.b);
+                if (pair.a == pair.b) split_self(pair);
+                else split(pair.a, pair.b, pair.stored);
                 break;
-            case Verdict::Action::SplitB: split(pair.b, pair.a); break;
+            case Verdict::Action::SplitB: split(pair.b, pair.a, pair.stored); break;
         }
     }
 
-    void split(std::uint32_t divided, std::uint32_t other) {
+    void split(std::uint32_t divided, std::uint32_t other, std::uint32_t stored) {
         if (nodes_[divided].kind == NodeKind::Surface) {
             const std::size_t before = nodes_.size();
             nodes_.subdivide(divided);
@@ -71,23 +89,26 @@ class Refiner {
                 guide_.reflectance.push_back(guide_.reflectance[divided]);
             }
         }
+        const StoredChildren below(nodes_, nodes_[divided].instance, stored);
         nodes_.children(divided, children_);
-        for (const std::uint32_t child : children_) stack_.push_back({child, other});
+        for (std::size_t k = 0; k < children_.size(); ++k) stack_.push_back({children_[k], other, below[k]});
     }
 
-    void split_self(std::uint32_t node) {
-        nodes_.children(node, children_);
+    void split_self(const Pair& pair) {
+        const StoredChildren below(nodes_, nodes_[pair.a].instance, pair.stored);
+        nodes_.children(pair.a, children_);
+        std::size_t k = 0;
         for (std::size_t i = 0; i < children_.size(); ++i)
-            for (std::size_t j = i; j < children_.size(); ++j)
+            for (std::size_t j = i; j < children_.size(); ++j, ++k)
                 if (i != j || nodes_[children_[i]].kind != NodeKind::Surface)
-                    stack_.push_back({children_[i], children_[j]});
+                    stack_.push_back({children_[i], children_[j], below[k]});
     }
 
     LinkSet& set_;
     Nodes& nodes_;
     Guide& guide_;
     const LinkBuilder& builder_;
-    std::vector<LinkSet::Pair> stack_, batch_;
+    std::vector<Pair> stack_, batch_;
     std::vector<Verdict> verdicts_;
     std::vector<std::uint32_t> children_;
 };
@@ -97,7 +118,10 @@ class Refiner {
 LinkSet::LinkSet(const Nodes& nodes, bool within_instances) {
     const auto count = static_cast<std::uint32_t>(nodes.scene().instances.size());
     for (std::uint32_t i = 0; i < count; ++i)
-        for (std::uint32_t j = within_instances ? i : i + 1; j < count; ++j) pending.push_back({nodes.root(i), nodes.root(j)});
+        for (std::uint32_t j = within_instances ? i : i + 1; j < count; ++j) {
+            const bool stored = i == j && !nodes.scene().instances[i].object->self_pairs.empty();
+            pending.push_back({nodes.root(i), nodes.root(j), stored ? 0 : kNotStored});
+        }
 }
 
 void refine(LinkSet& set, Nodes& nodes, Guide& guide, const LinkBuilder& builder) {

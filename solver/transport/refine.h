@@ -9,9 +9,6 @@ namespace rro {
 
 /// The links of a scene and the pairs that may become links once they carry light.
 struct LinkSet {
-    struct Pair {
-        std::uint32_t a, b;  // a == b: light within one node
-    };
     std::vector<Link> links;
     std::vector<Pair> pending;
     std::uint64_t rays = 0;  // so far

@@ -1,0 +1,447 @@
+#include "compiler/self_transport.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <numbers>
+
+#include "compiler/direction_images.h"
+#include "format/form_factor.h"
+#include "format/parallel.h"
+#include "format/sample_points.h"
+#include "format/self_links.h"
+
+namespace rro {
+namespace {
+
+// The error that a link may bring to a patch of mean area, in units of the patch's own radiosity; to smaller ones less
+// in power, more in radiosity. Measured: halving it doubles links and time and moves the closure by less than 0.002.
+constexpr double kTolerance = 0.01;
+// Clusters whose normals lie within this cosine of their mean radiate and receive like a plate; others may be dark on
+// the side that a link meets, so that one constant is wrong by as much as itself.
+constexpr double kFlatCone = 0.8;
+constexpr double kTiltError = 0.5;
+// One sample of a pair says little about clusters nearer than this many radii.
+constexpr double kSeparated = 2;
+// Patches nearer than this many radii, and of few faces, take the exact kernel.
+constexpr double kKernelRadii = 3;
+constexpr std::uint32_t kKernelFaces = 16;
+constexpr std::uint32_t kKernelPoints = 8;
+
+// Points on each cluster, evenly by area. Lines pair those of two clusters off, in several orders.
+constexpr std::uint32_t kPoints = 32;
+constexpr std::uint32_t kJudgeLines = 16;
+// The lines of a link, others than those that judged it: a pair accepted for the little light that some lines found
+// would keep too little. As many as its light deserves, and never fewer because they agree, for the same reason.
+constexpr std::uint32_t kFewestLines = 16, kMostLines = 96;
+constexpr double kVisibilityShare = 0.5;  // of the tolerance: standard deviation of half the lines blocked
+constexpr std::uint32_t kNextOrder = 13;  // from one order of pairing off to the next; odd: never the same one soon
+// Lines between points keep this share of their length from either end, and a few roundings of the coordinates.
+constexpr float kLineMargin = 1e-4f;
+constexpr float kRounding = 4e-7f;
+
+struct Pair {
+    std::uint32_t a, b;
+};
+
+Vec3f difference(const Vec3f& a, const Vec3f& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+float product(const Vec3f& a, const Vec3f& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+
+/// Faces of the object as samples need them; positions relative to its origin.
+class FaceSampler {
+  public:
+    explicit FaceSampler(const ObjectData& object) : object_(object) {
+        area_before_.reserve(object.faces.size() + 1);
+        area_before_.push_back(0);
+        normal_.reserve(object.faces.size());
+        for (const Face f : object.faces) {
+            const Vec3 area = area_vector(corners(f));
+            normal_.push_back(normalised(area));
+            area_before_.push_back(area_before_.back() + length(area));
+        }
+    }
+
+    struct Point {
+        Vec3 position, normal;
+    };
+
+    TriangleCorners corners(Face f) const {
+        const TriangleIndices& t = object_.triangles[f.triangle()];
+        TriangleCorners c{to_double(object_.positions[t[0]]), to_double(object_.positions[t[1]]),
+                          to_double(object_.positions[t[2]])};
+        if (f.side() == Side::Back) std::swap(c[1], c[2]);
+        return c;
+    }
+
+    /// A point of the faces [begin, end), evenly by area over (u, v) in the unit square.
+    Point point(std::uint32_t begin, std::uint32_t end, double u, double v) const {
+        const double target = area_before_[begin] + u * area(begin, end);
+        const auto first = area_before_.begin();
+        auto f = static_cast<std::uint32_t>(std::upper_bound(first + begin + 1, first + end, target) - first - 1);
+        f = std::min(f, end - 1);
+        const double width = area_before_[f + 1] - area_before_[f];
+        const double s = width > 0 ? std::clamp((target - area_before_[f]) / width, 0.0, 1.0) : 0.5;
+        const std::array<double, 2> b = square_to_triangle(s, v);
+        return {triangle_point(corners(object_.faces[f]), b[0], b[1]), normal_[f]};
+    }
+
+    double area(std::uint32_t begin, std::uint32_t end) const { return area_before_[end] - area_before_[begin]; }
+
+  private:
+    const ObjectData& object_;
+    std::vector<double> area_before_;  // [F + 1]
+    std::vector<Vec3> normal_;         // [F]
+};
+
+/// A cluster as the end of a pair.
+struct End {
+    std::uint32_t begin, end;  // faces
+    Vec3 centre, normal;
+    Box3 box;
+    double area, radius, cone;  // cone: half angle, pi where normals look every way
+    bool flat, patch;
+};
+
+/// What a pair becomes.
+struct Verdict {
+    PairStep step = PairStep::Dark;
+    double exchange = 0, visibility = 0;
+};
+
+class PairJudge {
+  public:
+    PairJudge(const ObjectData& object, const ObjectRays& rays) : object_(object), rays_(rays), sampler_(object) {
+        mean_area_ = object.meta.area / static_cast<double>(object.patches.size());
+        for (const Vec3f& p : object.positions) rounding_ = std::max(rounding_, kRounding * std::sqrt(product(p, p)));
+        ends_.reserve(object.clusters.size());
+        for (const Cluster& c : object.clusters) ends_.push_back(make_end(c));
+        points_.resize(ends_.size() * kPoints);
+        parallel_for(ends_.size(), 64, [&](std::size_t c) {
+            for (std::uint32_t k = 0; k < kPoints; ++k) {
+                const auto s = sobol4(k, mix64(c));
+                const auto at = sampler_.point(ends_[c].begin, ends_[c].end, double(s[0]), double(s[1]));
+                points_[c * kPoints + k] = {to_float(at.position), to_float(at.normal)};
+            }
+        });
+    }
+
+    Verdict judge(const Pair& p) const { return p.a == p.b ? judge_self(p.a) : judge_two(p.a, p.b); }
+
+  private:
+    struct Point {
+        Vec3f position, normal;
+    };
+
+    End make_end(const Cluster& c) const {
+        End e;
+        const Patch& last = object_.patches[c.first_patch + c.patch_count - 1];
+        e.begin = object_.patches[c.first_patch].first_face;
+        e.end = last.first_face + last.face_count;
+        e.centre = c.centre();
+        e.normal = to_double(c.normal);
+        e.box.lo = to_double(c.lo), e.box.hi = to_double(c.hi);
+        e.area = sampler_.area(e.begin, e.end);
+        e.radius = static_cast<double>(c.radius);
+        e.patch = c.right_child == 0;
+        const double cosine = static_cast<double>(c.cone_cosine);
+        e.flat = e.patch || cosine >= kFlatCone;
+        e.cone = cosine > -1 && length2(e.normal) > 0 ? std::acos(std::min(1.0, cosine)) : std::numbers::pi;
+        return e;
+    }
+
+    /// False only where no point of `to` lies in front of any face of `from`.
+    static bool may_see(const End& from, const End& to) {
+        const Vec3 w = to.centre - from.centre;
+        const double d = length(w), reach = from.radius + to.radius;
+        if (from.cone >= 0.5 * std::numbers::pi) return true;
+        if (from.cone < 1e-3) {  // a plane, or planes one behind the other: the box is tighter than the sphere
+            const Vec3& n = from.normal;
+            const Vec3 farthest{n.x > 0 ? to.box.hi.x : to.box.lo.x, n.y > 0 ? to.box.hi.y : to.box.lo.y,
+                                n.z > 0 ? to.box.hi.z : to.box.lo.z};
+            const Vec3 lowest{n.x > 0 ? from.box.lo.x : from.box.hi.x, n.y > 0 ? from.box.lo.y : from.box.hi.y,
+                              n.z > 0 ? from.box.lo.z : from.box.hi.z};
+            return dot(n, farthest - lowest) > 1e-6 * reach;
+        }
+        if (d <= reach) return true;
+        const double tilt = std::acos(std::clamp(dot(from.normal, w) / d, -1.0, 1.0));
+        return tilt - from.cone - std::asin(reach / d) < 0.5 * std::numbers::pi;
+    }
+
+    /// Directions that leave the front of one and reach the front of the other lie in a lune between their planes: of
+    /// form factor (1 - cos t) / 2 for an angle t between the normals.
+    static double largest_share(const End& a, const End& b) {
+        if (a.cone >= std::numbers::pi || b.cone >= std::numbers::pi) return 1;
+        const double t = std::acos(std::clamp(dot(a.normal, b.normal), -1.0, 1.0)) + a.cone + b.cone;
+        return t < std::numbers::pi ? 0.5 - 0.5 * std::cos(t) : 1;
+    }
+
+    static double relative_error(const End& e, double distance) {
+        if (!e.flat) return 1;
+        return std::min(1.0, e.radius / distance + kTiltError * (1 - std::cos(e.cone)));
+    }
+
+    Verdict judge_self(std::uint32_t cluster) const {
+        const End& e = ends_[cluster];
+        if (e.cone < 1e-6) return {};  // one plane, or several that look the same way
+        if (!e.patch) return {PairStep::SplitSelf, 0, 0};
+        if (e.end - e.begin == 1) return {};
+        Measured m = lines_of_link(cluster, cluster, e.area, kTolerance * std::sqrt(e.area * mean_area_));
+        if (e.end - e.begin <= kKernelFaces) m.exchange = kernel_exchange(e, e, mix64(cluster));
+        return link(m);
+    }
+
+    Verdict judge_two(std::uint32_t first, std::uint32_t second) const {
+        const End &a = ends_[first], &b = ends_[second];
+        if (!may_see(a, b) || !may_see(b, a)) return {};
+        const double distance = length(b.centre - a.centre), widest = std::max(a.radius, b.radius);
+        const double tolerance = kTolerance * std::sqrt(std::min(a.area, b.area) * mean_area_);
+        const double gap = std::max(0.0, distance - a.radius - b.radius);
+        const double most = std::min(largest_share(a, b) * std::min(a.area, b.area),
+                                     a.area * b.area / (std::numbers::pi * std::max(gap * gap, 1e-300)));
+        if (!a.patch || !b.patch) {
+            const PairStep split =
+                !a.patch && (b.patch || a.radius >= b.radius) ? PairStep::SplitFirst : PairStep::SplitSecond;
+            if (distance < kSeparated * widest && most > tolerance) return {split, 0, 0};
+            const Measured m = measure(first, second, 0, kJudgeLines);
+            // Laplace's rule: lines that agree are no proof, but a sign that there is no edge of a shadow here.
+            const double v = m.share();
+            const double shadow = m.agree() ? std::min(v, 1 - v) : std::sqrt(v * (1 - v));
+            const double shape = std::hypot(relative_error(a, distance), relative_error(b, distance));
+            if (m.exchange * std::hypot(v * shape, shadow) > tolerance && most > tolerance) return {split, 0, 0};
+        }
+        Measured m = lines_of_link(first, second, most, tolerance);
+        const bool a_has_fewer = a.end - a.begin < b.end - b.begin;
+        const End &polygons = a_has_fewer ? a : b, &points = a_has_fewer ? b : a;
+        if (a.patch && b.patch && distance < kKernelRadii * widest && polygons.end - polygons.begin <= kKernelFaces)
+            m.exchange = kernel_exchange(points, polygons, mix64(std::uint64_t{first} << 32 | second));
+        return link(m);
+    }
+
+    /// Exchange area with nothing between, by the contour formula from points of one end to all faces of the other.
+    double kernel_exchange(const End& points, const End& polygons, std::uint64_t seed) const {
+        double sum = 0;
+        for (std::uint32_t k = 0; k < kKernelPoints; ++k) {
+            const auto s = sobol4(k, seed);
+            const auto p = sampler_.point(points.begin, points.end, double(s[0]), double(s[1]));
+            for (std::uint32_t f = polygons.begin; f < polygons.end; ++f)
+                sum += point_to_triangle(p.position, p.normal, sampler_.corners(object_.faces[f]));
+        }
+        return sum / kKernelPoints * points.area;
+    }
+
+    /// What lines between two ends say.
+    struct Measured {
+        double exchange = 0;              // with nothing between, m^2
+        double seen = 0, unoccluded = 0;  // sums of the lines' weights
+        std::uint32_t lines = 0, open = 0;
+
+        double visibility() const { return unoccluded > 0 ? seen / unoccluded : 0; }
+        double share() const { return (open + 1.0) / (lines + 2.0); }
+        bool agree() const { return open == 0 || open == lines; }
+    };
+
+    static Verdict link(const Measured& m) {
+        return m.exchange > 0 ? Verdict{PairStep::Link, m.exchange, m.visibility()} : Verdict{};
+    }
+
+    Measured lines_of_link(std::uint32_t first, std::uint32_t second, double exchange, double tolerance) const {
+        const double deserved = std::pow(0.5 * exchange / (kVisibilityShare * tolerance), 2);
+        const auto count = static_cast<std::uint32_t>(std::clamp(deserved, double(kFewestLines), double(kMostLines)));
+        return measure(first, second, kPoints, (count + kFewestLines - 1) / kFewestLines * kFewestLines);
+    }
+
+    /// Lines number begin .. begin + count of the pair, those that leave both fronts: the points of one end, with the
+    /// points of the other in an order that differs from pair to pair.
+    Measured measure(std::uint32_t first, std::uint32_t second, std::uint32_t begin, std::uint32_t count) const {
+        Measured m;
+        const End &a = ends_[first], &b = ends_[second];
+        const std::uint64_t seed = mix64(std::uint64_t{first} << 32 | second);
+        std::array<ObjectRay, kMostLines> lines;
+        std::array<double, kMostLines> weights{};
+        std::array<std::uint8_t, kMostLines> blocked{};
+        std::uint32_t used = 0;
+        for (std::uint32_t k = begin; k < begin + count; ++k) {
+            const std::uint32_t round = k / kPoints, own = k % kPoints;
+            const std::uint32_t other = own ^ static_cast<std::uint32_t>((seed + kNextOrder * round) % kPoints);
+            const Point& p = points_[first * kPoints + own];
+            const Point& q = points_[second * kPoints + other];
+            const Vec3f w = difference(q.position, p.position);
+            const float d2 = product(w, w), out = product(p.normal, w), in = -product(q.normal, w);
+            if (out <= 0 || in <= 0 || d2 <= 0) continue;
+            const float margin = kLineMargin + rounding_ / std::sqrt(d2);
+            if (margin >= 0.5f) continue;
+            weights[used] = static_cast<double>(out) * static_cast<double>(in) / (static_cast<double>(d2) * static_cast<double>(d2));
+            lines[used++] = {p.position, w, margin, 1 - margin};
+        }
+        rays_.occluded(std::span(lines).first(used), std::span(blocked).first(used));
+        for (std::uint32_t k = 0; k < used; ++k) {
+            m.unoccluded += weights[k];
+            if (blocked[k]) continue;
+            m.seen += weights[k];
+            ++m.open;
+        }
+        m.lines = used;
+        const double mean = m.unoccluded / count * a.area * b.area / std::numbers::pi;
+        m.exchange = std::min({mean, a.area, b.area});  // a form factor is at most 1
+        return m;
+    }
+
+    const ObjectData& object_;
+    const ObjectRays& rays_;
+    FaceSampler sampler_;
+    std::vector<End> ends_;      // [C]
+    std::vector<Point> points_;  // [C * kPoints]
+    double mean_area_ = 0;
+    float rounding_ = 0;
+};
+
+/// A pair of the tree while it grows, level by level.
+struct Growing {
+    Pair pair;
+    Verdict verdict;
+    std::uint32_t first_child = 0, child_count = 0;
+};
+
+void push_children(const ObjectData& object, std::vector<Growing>& tree, std::size_t at) {
+    const auto [a, b] = tree[at].pair;
+    const auto right = [&](std::uint32_t c) { return object.clusters[c].right_child; };
+    tree[at].first_child = static_cast<std::uint32_t>(tree.size());
+    const auto push = [&](std::uint32_t x, std::uint32_t y) { tree.push_back({{x, y}, {}}); };
+    switch (tree[at].verdict.step) {
+        case PairStep::Dark:
+        case PairStep::Link: break;
+        case PairStep::SplitFirst: push(a + 1, b), push(right(a), b); break;
+        case PairStep::SplitSecond: push(a, b + 1), push(a, right(b)); break;
+        case PairStep::SplitSelf: push(a + 1, a + 1), push(a + 1, right(a)), push(right(a), right(a)); break;
+    }
+    tree[at].child_count = static_cast<std::uint32_t>(tree.size()) - tree[at].first_child;
+}
+
+/// Pairs whose whole subtree is hidden or dark become one link.
+void join_hidden(std::vector<Growing>& tree) {
+    for (std::size_t i = tree.size(); i-- > 0;) {
+        Growing& g = tree[i];
+        if (g.child_count == 0) continue;
+        const auto children = std::span(tree).subspan(g.first_child, g.child_count);
+        const bool hidden = std::all_of(children.begin(), children.end(), [](const Growing& c) {
+            return c.child_count == 0 && c.verdict.visibility == 0;
+        });
+        if (!hidden) continue;
+        double exchange = 0;
+        for (const Growing& c : children) exchange += (g.pair.a == g.pair.b && c.pair.a != c.pair.b ? 2 : 1) * c.verdict.exchange;
+        g.verdict = {exchange > 0 ? PairStep::Link : PairStep::Dark, exchange, 0};
+        g.child_count = 0;
+    }
+}
+
+void write_preorder(const std::vector<Growing>& tree, SelfLinks& links) {
+    std::vector<std::uint32_t> open{0};
+    while (!open.empty()) {
+        const Growing& g = tree[open.back()];
+        open.pop_back();
+        links.steps.push_back(static_cast<std::uint8_t>(g.verdict.step));
+        if (g.verdict.step == PairStep::Link) {
+            links.exchange.push_back(static_cast<float>(g.verdict.exchange));
+            links.visibility.push_back(
+                static_cast<std::uint8_t>(std::lround(255 * std::clamp(g.verdict.visibility, 0.0, 1.0))));
+        }
+        for (std::uint32_t k = g.child_count; k-- > 0;) open.push_back(g.first_child + k);
+    }
+}
+
+}  // namespace
+
+SelfLinks measure_self_links(const ObjectData& object, const ObjectRays& rays) {
+    SelfLinks links;
+    if (object.meta.convex) return links;
+    const PairJudge judge(object, rays);
+    std::vector<Growing> tree{{{0, 0}, {}}};
+    for (std::size_t level = 0; level < tree.size();) {
+        const std::size_t end = tree.size();
+        constexpr std::size_t kGrain = 64;
+        parallel_for(end - level, kGrain, [&](std::size_t k) { tree[level + k].verdict = judge.judge(tree[level + k].pair); });
+        for (; level < end; ++level) push_children(object, tree, level);
+    }
+    join_hidden(tree);
+    const bool any = std::any_of(tree.begin(), tree.end(), [](const Growing& g) { return g.verdict.step == PairStep::Link; });
+    if (any) write_preorder(tree, links);
+    return links;
+}
+
+namespace {
+
+/// Received light per patch under unit radiosity: links of a cluster are shared by its patches.
+std::vector<float> received_shares(const ObjectData& object) {
+    std::vector<double> cluster(object.clusters.size(), 0);
+    for (const SelfPair& pair : self_pairs(object)) {
+        if (pair.step != PairStep::Link) continue;
+        const double seen = static_cast<double>(pair.seen);
+        const auto add = [&](std::uint32_t c) {
+            if (object.clusters[c].area > 0) cluster[c] += seen / static_cast<double>(object.clusters[c].area);
+        };
+        add(pair.a);
+        if (pair.a != pair.b) add(pair.b);
+    }
+    std::vector<float> shares(object.patches.size(), 0);
+    for (std::size_t c = 0; c < object.clusters.size(); ++c) {
+        const std::uint32_t right = object.clusters[c].right_child;
+        if (right == 0) {
+            shares[object.clusters[c].first_patch] = static_cast<float>(cluster[c]);
+        } else {
+            cluster[c + 1] += cluster[c];
+            cluster[right] += cluster[c];
+        }
+    }
+    return shares;
+}
+
+}  // namespace
+
+Closure measure_closure(const ObjectData& object, const ObjectRays& rays) {
+    constexpr std::uint32_t kEscapeSamples = 256;  // of the table; a smooth function
+    constexpr std::uint32_t kBlackSamples = 64;    // rays: a share is known to 0.03 or better
+    const DirectionGrid grid(object.meta.grid_map, object.meta.grid_size);
+    const FaceSampler sampler(object);
+    const std::vector<std::uint32_t> face_by_side = faces_by_side(object);
+    const bool has_black = object.faces.size() < 2 * object.triangles.size();
+    const double reach = length(object.meta.bounds.extent()) * 2;
+    Closure closure;
+    closure.received = received_shares(object);
+    closure.escape.resize(object.patches.size());
+    closure.black.resize(object.patches.size());
+    parallel_for(object.patches.size(), 16, [&](std::size_t p) {
+        const Patch& patch = object.patches[p];
+        const auto row = object.visibility.subspan(p * grid.size(), grid.size());
+        const std::uint64_t seed = mix64(p);
+        const auto draw = [&](std::uint32_t k) {
+            const auto s = sobol4(k, seed);
+            const auto from = sampler.point(patch.first_face, patch.first_face + patch.face_count, double(s[0]), double(s[1]));
+            const auto frame = frame_about(from.normal);
+            const Vec3 local = square_to_cosine_hemisphere(double(s[2]), double(s[3]));
+            return std::pair{from.position, frame[0] * local.x + frame[1] * local.y + frame[2] * local.z};
+        };
+        double escape = 0;
+        for (std::uint32_t k = 0; k < kEscapeSamples; ++k) escape += grid.interpolate(row, draw(k).second);
+        closure.escape[p] = static_cast<float>(escape / (255.0 * kEscapeSamples));
+        if (!has_black || object.meta.convex) return;
+        std::array<ObjectRay, kBlackSamples> lines;
+        std::array<ObjectHit, kBlackSamples> hits;
+        for (std::uint32_t k = 0; k < kBlackSamples; ++k) {
+            const auto [origin, direction] = draw(k);
+            lines[k] = {to_float(origin), to_float(direction), static_cast<float>(1e-6 * reach), static_cast<float>(reach)};
+        }
+        rays.first_hits(lines, hits);
+        std::uint32_t black = 0;
+        for (std::uint32_t k = 0; k < kBlackSamples; ++k) {
+            if (hits[k].triangle == kNoTriangle) continue;
+            const bool front = dot(area_vector(object.corners(hits[k].triangle)), to_double(lines[k].direction)) < 0;
+            const Face face = Face::make(hits[k].triangle, front ? Side::Front : Side::Back);
+            black += face_by_side[face.packed] == kNoFace ? 1 : 0;
+        }
+        closure.black[p] = static_cast<float>(black) / kBlackSamples;
+    });
+    return closure;
+}
+
+}  // namespace rro
