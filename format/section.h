@@ -7,9 +7,9 @@ namespace rro {
 
 /// In the order in which they are verified: each needs only sections before it (layout::kSections says which).
 enum class Section : std::uint32_t {
-    Meta, Mesh, Materials, Patches, Clusters, Area, Visibility, Errors, Hbv, Source
+    Meta, Mesh, Materials, Patches, Clusters, Area, Visibility, Errors, Hbv, Source, Hit, Atlas
 };
-inline constexpr std::uint32_t kSectionKinds = 10;
+inline constexpr std::uint32_t kSectionKinds = 12;
 
 /// A set of sections: `Section::Area | Section::Visibility`.
 class SectionSet {

@@ -76,6 +76,14 @@ void check_same(const ObjectData& a, const ObjectData& b) {
     CHECK(same_bytes(a.whole_area_error, b.whole_area_error));
     CHECK(same_bytes(a.intrinsic_area_error, b.intrinsic_area_error));
     CHECK(same_bytes(a.visibility_error, b.visibility_error));
+    CHECK(same_bytes(a.hit_volumes, b.hit_volumes));
+    CHECK(same_bytes(a.whole_hit, b.whole_hit));
+    CHECK(same_bytes(a.intrinsic_hit, b.intrinsic_hit));
+    CHECK(a.atlas_centre == b.atlas_centre);
+    CHECK(a.atlas_radius == b.atlas_radius);
+    CHECK(a.atlas_grid_size == b.atlas_grid_size);
+    CHECK(a.atlas_image_size == b.atlas_image_size);
+    CHECK(same_bytes(a.atlas_coverage, b.atlas_coverage));
 }
 
 /// The place and the message of the refusal.
@@ -119,6 +127,13 @@ TEST_CASE("defaults and what is left out come back too", "[archive]") {
     object.visibility_error.clear();
     object.volumes.clear();
     object.volume_triangles.clear();
+    object.hit_volumes.clear();
+    object.whole_hit.clear();
+    object.intrinsic_hit.clear();
+    object.atlas_centre = {};
+    object.atlas_radius = 0;
+    object.atlas_grid_size = object.atlas_image_size = 0;
+    object.atlas_coverage.clear();
     const auto archive = Archive::from_bytes(encoded(object), "tiny.rro");
     REQUIRE(archive);
     check_same(archive->data(), object.data());
