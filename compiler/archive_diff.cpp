@@ -203,6 +203,9 @@ ArchiveDiff diff_archives(const Archive& a, const Archive& b) {
         compare_textures(da, db, trees, diff.changes);
         compare_structure(da, db, trees, diff.changes);
         compare_tables(a, b, trees, diff.changes);
+        compare_hits(a, b, diff.changes);
+        compare_atlases(da, db, diff.changes);
+        compare_self_links(da, db, diff.changes);
     }
     std::move(sections.begin(), sections.end(), std::back_inserter(diff.changes));
     compare_files(diff.a, diff.b, diff.changes);

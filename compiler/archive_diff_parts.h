@@ -41,4 +41,14 @@ void compare_structure(const ObjectData& a, const ObjectData& b, const TreeMatch
 /// clusters other than the root where the trees are the same, visibility for the patches that both have.
 void compare_tables(const Archive& a, const Archive& b, const TreeMatch& trees, Changes& out);
 
+/// Hit probabilities: the root's by line where the grids are the same, else by the mean; those of other volumes where both
+/// store the same ones.
+void compare_hits(const Archive& a, const Archive& b, Changes& out);
+
+/// Self links: how many, and the share of the object's light that meets the object again.
+void compare_self_links(const ObjectData& a, const ObjectData& b, Changes& out);
+
+/// Silhouettes, where both have them.
+void compare_atlases(const ObjectData& a, const ObjectData& b, Changes& out);
+
 }  // namespace rro

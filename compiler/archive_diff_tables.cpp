@@ -104,6 +104,7 @@ void compare_root(const Archive& a, const Archive& b, bool whole, Changes& out) 
     const ObjectData &da = a.data(), &db = b.data();
     if (!has_root(da) || !has_root(db)) return;
     const AreaTables before = tables_of(da, whole), after = tables_of(db, whole);
+    if (before.values.empty() || after.values.empty()) return;
     const bool comparable = same_grid(da.meta, db.meta);
     if (comparable && before.same_row(after, 0)) return;
     const double mean_a = mean_over(a.grid(), before, 0), mean_b = mean_over(b.grid(), after, 0);
@@ -125,6 +126,7 @@ void compare_root(const Archive& a, const Archive& b, bool whole, Changes& out) 
 void compare_clusters(const Archive& a, const Archive& b, bool whole, Changes& out) {
     const ObjectData& da = a.data();
     const AreaTables before = tables_of(da, whole), after = tables_of(b.data(), whole);
+    if (before.values.empty() || after.values.empty()) return;
     const std::vector<double> angles = a.grid().solid_angles();
     std::uint64_t count = 0;
     double largest = 0;

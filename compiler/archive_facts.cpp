@@ -2,6 +2,7 @@
 
 #include <array>
 #include <charconv>
+#include <cmath>
 
 namespace rro {
 
@@ -19,6 +20,22 @@ std::vector<std::uint32_t> triangle_materials(const ObjectData& data) {
         for (std::uint32_t f = p.first_face; f < p.first_face + p.face_count; ++f)
             material[data.faces[f].triangle()] = p.material;
     return material;
+}
+
+ClosureDefect closure_defect(const ObjectData& data) {
+    ClosureDefect result;
+    double area = 0;
+    for (std::size_t p = 0; p < data.self_escape.size(); ++p) {
+        const double a = static_cast<double>(data.patches[p].area);
+        const double off = static_cast<double>(data.self_escape[p]) + static_cast<double>(data.self_received[p]) +
+                           static_cast<double>(data.self_black[p]) - 1;
+        result.mean += a * off;
+        result.rms += a * off * off;
+        result.largest = std::max(result.largest, std::abs(off));
+        area += a;
+    }
+    if (area > 0) result.mean /= area, result.rms = std::sqrt(result.rms / area);
+    return result;
 }
 
 std::string shortest(double x) {

@@ -34,6 +34,13 @@ std::size_t tree_depth(std::span<const Node> nodes) {
 /// Material of every triangle, from the patches of its faces. [T]
 std::vector<std::uint32_t> triangle_materials(const ObjectData& data);
 
+/// How far the shares of patches' light that escape, meet faces and meet black backs are from 1 together.
+struct ClosureDefect {
+    double mean = 0, rms = 0;  // over the area
+    double largest = 0;        // of one patch, absolute
+};
+ClosureDefect closure_defect(const ObjectData& data);
+
 /// The shortest text that reads back as the same double.
 std::string shortest(double x);
 

@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 namespace {
 
 // Part of the options' text: raise it when the same mesh and options give other tables, so that --if-changed notices.
-constexpr int kTableVersion = 2;
+constexpr int kTableVersion = 3;
 
 Error usage(std::string message, std::string hint = {}) {
     return {ErrorKind::Usage, "", std::move(message), std::move(hint)};
@@ -65,8 +65,8 @@ Status set_options(const BuildRequest& request, BuildPlan& plan) {
     if (request.grid < 2 || request.grid > layout::kMaxGridSize)
         return usage("--grid " + std::to_string(request.grid) + ": expected 2 to " +
                      std::to_string(layout::kMaxGridSize));
-    if (request.tables != "default")
-        return usage("--tables " + request.tables + " is not supported by this version", "leave it out, or default");
+    const auto tables = parse_tables(request.tables);
+    if (!tables) return tables.error();
     if (!request.reflectance.empty()) {
         const auto reflectance = parse_reflectance(request.reflectance);
         if (!reflectance) return reflectance.error();
@@ -79,6 +79,7 @@ Status set_options(const BuildRequest& request, BuildPlan& plan) {
     plan.if_changed = request.if_changed;
     plan.compile.grid_map = *map;
     plan.compile.grid_size = request.grid;
+    plan.compile.tables = *tables;
     return Done{};
 }
 
@@ -89,7 +90,7 @@ std::string canonical_options(const BuildRequest& request, const BuildPlan& plan
         reflectance = shortest(r->x) + "," + shortest(r->y) + "," + shortest(r->z);
     return "grid=" + std::to_string(request.grid) + " map=" + request.map + " two_sided=" + request.two_sided +
            " fix_winding=" + (request.fix_winding ? "yes" : "no") + " unit=" + request.unit + " up=" + request.up +
-           " reflectance=" + reflectance + " tables=" + request.tables +
+           " reflectance=" + reflectance + " tables=" + tables_text(plan.compile.tables) +
            " table_version=" + std::to_string(kTableVersion) +
            " image=" + std::to_string(plan.compile.image_resolution) + " patch_area=1/" +
            shortest(plan.compile.patch_area_divisor) + " patch_cone=" + shortest(plan.compile.patch_cone_cosine) +

@@ -7,10 +7,12 @@
 #include "compiler/cluster_tree.h"
 #include "compiler/convexity.h"
 #include "compiler/effective_area.h"
+#include "compiler/hit_probability.h"
 #include "compiler/object_bvh.h"
 #include "compiler/object_layout.h"
 #include "compiler/patches.h"
 #include "compiler/self_transport.h"
+#include "compiler/silhouette_atlas.h"
 #include "compiler/surface.h"
 #include "compiler/table_error.h"
 #include "format/rays/object_rays.h"
@@ -100,6 +102,25 @@ void store_closure(Closure closure, CompiledObject& object) {
     data.self_black = object.self_black;
 }
 
+void store_hits(HitProbabilities hits, CompiledObject& object) {
+    object.hit_volumes = std::move(hits.volumes);
+    object.whole_hit = std::move(hits.whole);
+    object.intrinsic_hit = std::move(hits.intrinsic);
+    object.data.hit_volumes = object.hit_volumes;
+    object.data.whole_hit = object.whole_hit;
+    object.data.intrinsic_hit = object.intrinsic_hit;
+}
+
+void store_atlas(SilhouetteAtlas atlas, CompiledObject& object) {
+    object.atlas_coverage = std::move(atlas.coverage);
+    ObjectData& data = object.data;
+    data.atlas_centre = atlas.centre;
+    data.atlas_radius = atlas.radius;
+    data.atlas_grid_size = atlas.grid_size;
+    data.atlas_image_size = atlas.image_size;
+    data.atlas_coverage = object.atlas_coverage;
+}
+
 }  // namespace
 
 Result<CompiledObject> compile_object(const Mesh& mesh, const CompileOptions& options,
@@ -135,17 +156,23 @@ Result<CompiledObject> compile_object(const Mesh& mesh, const CompileOptions& op
     object.volume_triangles = std::move(bvh.triangles);
     view_geometry(object);
 
-    report("effective areas", 0.3);
-    const ObjectRays rays(object.positions, object.triangles);
-    store_areas(measure_effective_areas(object.data, rays), object);
-
-    report("table errors", 0.6);
-    store_errors(measure_table_errors(object.data, rays), object);
-
-    report("self links", 0.7);
-    store_self_links(measure_self_links(object.data, rays), object);
-    if (!object.self_steps.empty()) store_closure(measure_closure(object.data, rays), object);
-    report("table errors", 1);
+    const TableChoice& tables = options.tables;
+    report("silhouettes", 0.3);
+    if (tables.atlas) store_atlas(measure_silhouettes(object.data), object);
+    report("hit probabilities", 0.33);
+    if (tables.hit) store_hits(measure_hits(object.data, tables), object);
+    if (tables.area || tables.visibility || tables.selflinks) {
+        const ObjectRays rays(object.positions, object.triangles);
+        report("effective areas", 0.4);
+        store_areas(measure_effective_areas(object.data, rays, tables), object);
+        report("table errors", 0.65);
+        if (tables.errors) store_errors(measure_table_errors(object.data, rays), object);
+        report("self links", 0.75);
+        if (tables.selflinks) store_self_links(measure_self_links(object.data, rays), object);
+        if (tables.visibility && !object.self_steps.empty())
+            store_closure(measure_closure(object.data, rays), object);
+    }
+    report("tables", 1);
     return object;
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "compiler/mesh.h"
+#include "compiler/table_choice.h"
 #include "format/object_data.h"
 #include "format/result.h"
 
@@ -20,6 +21,7 @@ struct CompileOptions {
     std::uint32_t image_resolution = 256;  // pixels along each direction image
     double patch_area_divisor = 2000;      // a patch holds at most object area / this
     double patch_cone_cosine = 0.8;        // smallest cosine between a patch's mean normal and its faces'
+    TableChoice tables;
 };
 
 /// The compiled object with the vectors its views point into.
@@ -39,6 +41,8 @@ struct CompiledObject {
     std::vector<float> whole_area_error, intrinsic_area_error, visibility_error;
     std::vector<std::uint8_t> self_steps, self_visibility;
     std::vector<float> self_exchange, self_escape, self_received, self_black;
+    std::vector<std::uint32_t> hit_volumes;
+    std::vector<std::uint8_t> whole_hit, intrinsic_hit, atlas_coverage;
     std::uint32_t dropped_by_rounding = 0;  // triangles without an area in single precision; they have no row
 
     CompiledObject() = default;

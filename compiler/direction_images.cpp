@@ -4,46 +4,22 @@
 #include <array>
 #include <cassert>
 #include <cmath>
-#include <limits>
 
+#include "compiler/scan_conversion.h"
 #include "format/sample_points.h"
 
 namespace rro {
 namespace {
 
-constexpr double kGoldenShare = 0.6180339887498949;
-constexpr double kRowHeight = 0.5;  // of a sample within its row
-
-struct PixelPoint {
-    double x, y;  // in pixels from the image's corner
-};
-
 /// Positive where the corners run counter-clockwise in the image: its viewer sees the front.
-double turn_of(const std::array<PixelPoint, 3>& t) {
+double turn_of(const std::array<ImagePoint, 3>& t) {
     return (t[1].x - t[0].x) * (t[2].y - t[0].y) - (t[1].y - t[0].y) * (t[2].x - t[0].x);
 }
 
-/// Samples that lie in the triangle, row by row; a sample on the left border is inside, on the right one outside.
-std::uint32_t covered_samples(const std::array<PixelPoint, 3>& t, std::uint32_t resolution) {
-    const auto [low, high] = std::minmax({t[0].y, t[1].y, t[2].y});
-    const double last = std::min(std::ceil(high - kRowHeight), static_cast<double>(resolution));
+std::uint32_t covered_samples(const std::array<ImagePoint, 3>& t, std::uint32_t resolution) {
     std::uint32_t count = 0;
-    for (double row = std::max(0.0, std::ceil(low - kRowHeight)); row < last; ++row) {
-        const double y = row + kRowHeight;
-        double left = std::numeric_limits<double>::infinity(), right = -left;
-        for (std::size_t k = 0; k < 3; ++k) {
-            PixelPoint a = t[k], b = t[(k + 1) % 3];
-            if ((a.y <= y) == (b.y <= y)) continue;
-            if (a.y > b.y) std::swap(a, b);  // both triangles at an edge compute the same crossing
-            const double x = a.x + (y - a.y) * (b.x - a.x) / (b.y - a.y);
-            left = std::min(left, x);
-            right = std::max(right, x);
-        }
-        const double shift = DirectionImage::shift(static_cast<std::uint32_t>(row));
-        const double begin = std::max(0.0, std::ceil(left - shift));
-        const double end = std::min(static_cast<double>(resolution), std::ceil(right - shift));
-        if (end > begin) count += static_cast<std::uint32_t>(end - begin);
-    }
+    for_each_span(t, resolution, resolution,
+                  [&](std::uint32_t, std::uint32_t begin, std::uint32_t end) { count += end - begin; });
     return count;
 }
 
@@ -54,13 +30,8 @@ bool DirectionImage::empty() const {
     return std::min(pixel_width, pixel_height) <= kThinnest * std::max(pixel_width, pixel_height);
 }
 
-double DirectionImage::shift(std::uint32_t row) {
-    const double x = row * kGoldenShare;
-    return x - std::floor(x);
-}
-
 Vec3 DirectionImage::sample(std::uint32_t column, std::uint32_t row) const {
-    return corner + right * ((column + shift(row)) * pixel_width) + up * ((row + kRowHeight) * pixel_height);
+    return corner + right * ((column + sample_shift(row)) * pixel_width) + up * ((row + kSampleHeight) * pixel_height);
 }
 
 ObjectRay DirectionImage::ray(std::uint32_t column, std::uint32_t row) const {
@@ -120,13 +91,9 @@ void count_seen(const ObjectData& object, std::span<const std::uint32_t> face_by
 void count_covered(const ObjectData& object, std::span<const std::uint32_t> face_by_side, const DirectionImage& image,
                    std::span<std::uint32_t> toward, std::span<std::uint32_t> opposite) {
     if (image.empty()) return;
-    std::vector<PixelPoint> projected;
+    std::vector<ImagePoint> projected;
     projected.reserve(object.positions.size());
-    for (const Vec3f& p : object.positions) {
-        const Vec3 from_corner = to_double(p) - image.corner;
-        projected.push_back(
-            {dot(from_corner, image.right) / image.pixel_width, dot(from_corner, image.up) / image.pixel_height});
-    }
+    for (const Vec3f& p : object.positions) projected.push_back(image.frame().place(to_double(p)));
     for (std::uint32_t t = 0; t < object.triangles.size(); ++t) {
         const auto& [a, b, c] = object.triangles[t];
         const std::array corners{projected[a], projected[b], projected[c]};

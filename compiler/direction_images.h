@@ -7,14 +7,14 @@
 #include <span>
 #include <vector>
 
+#include "compiler/scan_conversion.h"
 #include "format/object_data.h"
 #include "format/rays/object_rays.h"
 
 namespace rro {
 
 /// Sample points of an image: resolution^2 points over the rectangle that the object's projection fills. Sample
-/// (column, row) lies at corner + right (column + shift(row)) pixel_width + up (row + 1/2) pixel_height. The shift
-/// differs from row to row (golden ratio), so that edges parallel to the columns do not alias.
+/// (column, row) lies at corner + right (column + sample_shift(row)) pixel_width + up (row + 1/2) pixel_height.
 struct DirectionImage {
     Vec3 right, up, toward;                    // orthonormal; toward = the direction, from the object to its viewer
     Vec3 corner;                               // in a plane in front of the object, relative to its origin
@@ -24,10 +24,10 @@ struct DirectionImage {
 
     /// Seen edge-on: samples would lie in the surface itself, where rounding decides.
     bool empty() const;
-    static double shift(std::uint32_t row);  // in [0, 1)
     Vec3 sample(std::uint32_t column, std::uint32_t row) const;
     /// The ray through a sample, from the viewer to the object.
     ObjectRay ray(std::uint32_t column, std::uint32_t row) const;
+    ImageFrame frame() const { return {right, up, corner, pixel_width, pixel_height}; }
 };
 
 /// positions   of the object, relative to its origin; at least one

@@ -16,12 +16,12 @@ constexpr std::size_t kAreaClusters = 1024;  // as many as the link builder visi
 
 /// The largest clusters by area, in preorder. Parents are at least as large as their children and come before them, so
 /// every ancestor of a chosen cluster is chosen.
-std::vector<std::uint32_t> largest_clusters(std::span<const Cluster> clusters) {
+std::vector<std::uint32_t> largest_clusters(std::span<const Cluster> clusters, std::size_t count) {
     std::vector<std::uint32_t> chosen(clusters.size());
     std::iota(chosen.begin(), chosen.end(), 0u);
     std::stable_sort(chosen.begin(), chosen.end(),
                      [&](std::uint32_t a, std::uint32_t b) { return clusters[a].area > clusters[b].area; });
-    chosen.resize(std::min(chosen.size(), kAreaClusters));
+    chosen.resize(std::min(chosen.size(), count));
     std::sort(chosen.begin(), chosen.end());
     return chosen;
 }
@@ -54,20 +54,16 @@ void quantise(std::span<const double> cosine, std::span<const float> share, std:
     }
 }
 
-}  // namespace
-
-EffectiveAreas measure_effective_areas(const ObjectData& object, const ObjectRays& rays) {
-    assert(!object.faces.empty() && object.meta.image_resolution > 0);
-    const DirectionGrid grid(object.meta.grid_map, object.meta.grid_size);
-    EffectiveAreas areas;
-    areas.clusters = largest_clusters(object.clusters);
-    const std::vector<Vec3> directions = node_directions(grid);
-    const std::vector<FaceRange> ranges = cluster_ranges(object, areas.clusters);
-    const SeenCounts counts = count_seen_areas(object, rays, directions, ranges);
-
+void store_visibility(const SeenCounts& counts, const DirectionGrid& grid, EffectiveAreas& areas) {
     areas.visibility.reserve(counts.patches.seen.size());
     for (const float share : visible_shares(counts.patches, counts.whole, grid))
         areas.visibility.push_back(visibility_byte(static_cast<double>(share)));
+}
+
+/// ranges   the faces of areas.clusters
+void store_areas(const ObjectData& object, const ObjectRays& rays, const SeenCounts& counts, const DirectionGrid& grid,
+                 std::span<const FaceRange> ranges, EffectiveAreas& areas) {
+    const std::vector<Vec3> directions = node_directions(grid);
     const std::vector<double> cosine = cosine_sums(object, directions, ranges);
     quantise(cosine, visible_shares(counts.clusters, counts.whole, grid), grid.size(), areas.whole, areas.whole_scale);
     if (object.meta.convex) {  // nothing hides anything
@@ -77,6 +73,22 @@ EffectiveAreas measure_effective_areas(const ObjectData& object, const ObjectRay
         const SampleCounts own = count_intrinsic(object, rays, directions, areas.clusters);
         quantise(cosine, visible_shares(own, counts.whole, grid), grid.size(), areas.intrinsic, areas.intrinsic_scale);
     }
+}
+
+}  // namespace
+
+EffectiveAreas measure_effective_areas(const ObjectData& object, const ObjectRays& rays, const TableChoice& tables) {
+    assert(!object.faces.empty() && object.meta.image_resolution > 0);
+    assert(tables.area || tables.visibility);
+    const DirectionGrid grid(object.meta.grid_map, object.meta.grid_size);
+    EffectiveAreas areas;
+    if (tables.area)
+        areas.clusters =
+            largest_clusters(object.clusters, tables.every_node ? object.clusters.size() : kAreaClusters);
+    const std::vector<FaceRange> ranges = cluster_ranges(object, areas.clusters);
+    const SeenCounts counts = count_seen_areas(object, rays, node_directions(grid), ranges);
+    if (tables.visibility) store_visibility(counts, grid, areas);
+    if (tables.area) store_areas(object, rays, counts, grid, ranges, areas);
     return areas;
 }
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "compiler/table_choice.h"
 #include "format/object_data.h"
 #include "format/rays/object_rays.h"
 
@@ -17,7 +18,8 @@ struct EffectiveAreas {
     std::vector<std::uint8_t> visibility;             // [P * D]
 };
 
-/// Measures an object whose geometry, faces, patches, clusters and grid are filled in.
+/// Measures an object whose geometry, faces, patches, clusters and grid are filled in: its `area` and its `visibility`,
+/// as chosen; what is not chosen stays empty. Areas are those of all clusters or of the 1024 largest.
 ///
 /// An area is the exact sum of A max(0, n . w) over a cluster's faces times the share of it that is seen. Both counts
 /// of that share (samples seen, samples covered) come from the same sample points, so it is exact, 1 or 0, where
@@ -33,6 +35,7 @@ struct EffectiveAreas {
 /// departs  the paper does not say what hides a cluster; both answers are stored. Design 3.4 counts, for the intrinsic
 ///          area, any face along the line; here the first hit decides, because a link that uses an intrinsic area
 ///          ignores the cluster's own triangles and their backs block too
-EffectiveAreas measure_effective_areas(const ObjectData& object, const ObjectRays& rays);
+EffectiveAreas measure_effective_areas(const ObjectData& object, const ObjectRays& rays,
+                                      const TableChoice& tables);
 
 }  // namespace rro

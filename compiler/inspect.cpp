@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <numeric>
 #include <vector>
 
@@ -35,6 +36,7 @@ nlohmann::ordered_json counts_of(const ObjectData& d) {
             {"volumes", d.volumes.size()},
             {"materials", d.materials.size()},
             {"area_clusters", d.area_clusters.size()},
+            {"hit_volumes", d.hit_volumes.size()},
             {"directions", d.directions()}};
 }
 
@@ -68,6 +70,40 @@ nlohmann::ordered_json errors_of(const ObjectData& d) {
     return errors;
 }
 
+/// Mean over the directions of the probability that a line which meets the whole object's box hits the object.
+double mean_hit(const Archive& archive, std::span<const std::uint8_t> table) {
+    const DirectionGrid& grid = archive.grid();
+    const std::vector<double> angles = grid.solid_angles();
+    double mean = 0;
+    for (std::uint32_t node = 0; node < grid.size(); ++node) mean += table[grid.line(node)] / 255.0 * angles[node];
+    return mean / (4 * std::numbers::pi);
+}
+
+nlohmann::ordered_json hits_of(const Archive& archive) {
+    const ObjectData& d = archive.data();
+    if (d.hit_volumes.empty()) return nullptr;
+    return {{"volumes", d.hit_volumes.size()},
+            {"lines", d.lines()},
+            {"intrinsic", !d.intrinsic_hit.empty()},
+            {"object", mean_hit(archive, d.whole_hit)}};
+}
+
+nlohmann::ordered_json atlas_of(const ObjectData& d) {
+    if (d.atlas_coverage.empty()) return nullptr;
+    return {{"grid_size", d.atlas_grid_size},
+            {"image_size", d.atlas_image_size},
+            {"centre", triple(to_double(d.atlas_centre))},
+            {"radius", d.atlas_radius}};
+}
+
+nlohmann::ordered_json self_links_of(const ObjectData& d) {
+    if (d.self_steps.empty()) return nullptr;
+    const ClosureDefect defect = closure_defect(d);
+    return {{"pairs", d.self_steps.size()},
+            {"links", d.self_exchange.size()},
+            {"closure", {{"mean", defect.mean}, {"rms", defect.rms}, {"largest", defect.largest}}}};
+}
+
 nlohmann::ordered_json inspection(const Archive& archive, const std::string& name) {
     const ObjectData& d = archive.data();
     const ObjectMeta& m = d.meta;
@@ -87,7 +123,10 @@ nlohmann::ordered_json inspection(const Archive& archive, const std::string& nam
         {"closed", m.closed},
         {"convex", m.convex},
         {"counts", counts_of(d)},
-        {"table_errors", errors_of(d)}};
+        {"table_errors", errors_of(d)},
+        {"hit", hits_of(archive)},
+        {"atlas", atlas_of(d)},
+        {"selflinks", self_links_of(d)}};
     out["materials"] = nlohmann::ordered_json::array();
     for (const Material& material : d.materials)
         out["materials"].push_back({{"name", material.name},
@@ -135,6 +174,19 @@ std::string inspection_text(const Archive& archive, const std::string& name) {
     for (const ErrorBars& bar : error_bars(d))
         out += line("off grid   %-16s %.3g %% off for the object, %.3g %% for the median cluster, %.3g %% for the worst",
                     bar.name, 100 * bar.object, 100 * bar.median, 100 * bar.largest);
+    if (!d.hit_volumes.empty())
+        out += line("hit        probabilities of %zu volumes%s along %u lines; %.3g for the object's box", d.hit_volumes.size(),
+                    d.intrinsic_hit.empty() ? "" : ", intrinsic ones too", d.lines(), mean_hit(archive, d.whole_hit));
+    if (!d.atlas_coverage.empty())
+        out += line("atlas      %u silhouettes of %u x %u pixels, of a sphere of %.6g m about (%.6g, %.6g, %.6g)",
+                    d.atlas_grid_size * d.atlas_grid_size / 2, d.atlas_image_size, d.atlas_image_size,
+                    static_cast<double>(d.atlas_radius), static_cast<double>(d.atlas_centre.x),
+                    static_cast<double>(d.atlas_centre.y), static_cast<double>(d.atlas_centre.z));
+    if (!d.self_steps.empty()) {
+        const ClosureDefect defect = closure_defect(d);
+        out += line("self links %zu among %zu pairs; light of patches adds up to 1 %+.2g, root mean square %.2g, worst patch %.2g",
+                    d.self_exchange.size(), d.self_steps.size(), defect.mean, defect.rms, defect.largest);
+    }
     for (const Material& material : d.materials)
         out += "material   " + material.name +
                line(": reflectance %.4g %.4g %.4g%s, exitance %.6g %.6g %.6g W/m^2", material.reflectance.x,

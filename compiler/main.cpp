@@ -65,7 +65,7 @@ void declare_build(CLI::App& build, Arguments& a) {
     build.add_option("--unit", r.unit, "Unit of the source: m, cm, mm or in")->type_name("UNIT")->capture_default_str();
     build.add_option("--up", r.up, "Up axis of the source: y or z")->type_name("AXIS")->capture_default_str();
     build.add_option("--reflectance", r.reflectance, "Where the source gives none")->type_name("R,G,B");
-    build.add_option("--tables", r.tables, "Tables to store: default")->type_name("LIST")->capture_default_str();
+    build.add_option("--tables", r.tables, "Tables to store: default, all (for every node), or some of area,visibility,errors,hit,atlas,selflinks")->type_name("LIST")->capture_default_str();
     build.add_option("--threads", a.threads, "Threads to use; 0: all cores")->type_name("N");
     build.add_option("--depfile", r.depfile, "Makefile rules of all files read")->type_name("FILE");
     build.add_option("--report", r.report, "What was imported and built, as JSON")->type_name("FILE.json");

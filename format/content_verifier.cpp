@@ -87,6 +87,8 @@ class ContentVerifier {
     Status errors() const;
     Status source() const;
     Status self_links() const;
+    Status hit() const;
+    Status atlas() const;
 
     Status section(Section section) const {
         switch (section) {
@@ -101,6 +103,8 @@ class ContentVerifier {
             case Section::Hbv: return hbv();
             case Section::Source: return source();
             case Section::SelfLinks: return self_links();
+            case Section::Hit: return hit();
+            case Section::Atlas: return atlas();
         }
         return Done{};
     }
@@ -124,6 +128,7 @@ class ContentVerifier {
                     const char* rule) const;
     Status depth_within_limit(const char* section, const char* array, std::size_t index, std::uint32_t depth) const;
     Status table(const char* values_name, std::size_t values, const char* scale_name, std::span<const float> scale) const;
+    Status hit_table(const char* field, std::size_t values) const;
     Status error_bars(const char* field, std::span<const float> values) const;
 
     const ObjectData& o_;
@@ -420,6 +425,56 @@ Status ContentVerifier::self_links() const {
     }
     if (const auto fault = check_self_pairs(o_))
         return wrong("selflinks", "steps", fault->step, "", fault->found, fault->expected);
+    return Done{};
+}
+
+/// A table per stored volume.
+Status ContentVerifier::hit_table(const char* field, std::size_t values) const {
+    const std::uint64_t expected = std::uint64_t{o_.hit_volumes.size()} * o_.lines();
+    if (values == expected) return Done{};
+    return wrong("hit", field, number(std::uint64_t{values}) + " bytes",
+                 number(expected) + ", " + number(o_.lines()) + " per stored volume");
+}
+
+/// Runs beside the check of `hbv`, whose numbers may be wrong.
+Status ContentVerifier::hit() const {
+    std::vector<bool> stored(o_.volumes.size(), false);
+    for (std::size_t q = 0; q < o_.hit_volumes.size(); ++q) {
+        const std::uint32_t v = o_.hit_volumes[q];
+        if (v >= o_.volumes.size())
+            return wrong("hit", "volumes", q, "", number(v), "a number below " + number(o_.volumes.size()));
+        if (q > 0 && v <= o_.hit_volumes[q - 1])
+            return wrong("hit", "volumes", q, "", number(v),
+                         "more than the one before it, " + number(o_.hit_volumes[q - 1]));
+        stored[v] = true;
+    }
+    std::vector<std::uint32_t> above(o_.volumes.size(), 0);
+    for (std::uint32_t v = 0; v < o_.volumes.size(); ++v) {
+        const std::uint32_t right = o_.volumes[v].right_child;
+        if (right > v && right < o_.volumes.size()) above[v + 1] = above[right] = v;
+    }
+    for (std::size_t q = 0; q < o_.hit_volumes.size(); ++q)
+        if (const std::uint32_t v = o_.hit_volumes[q]; !stored[above[v]])
+            return wrong("hit", "volumes", q, "", number(v) + " without " + number(above[v]),
+                         "with a volume the one above it");
+    if (auto checked = hit_table("whole", o_.whole_hit.size()); !checked) return checked;
+    return o_.intrinsic_hit.empty() ? Status(Done{}) : hit_table("intrinsic", o_.intrinsic_hit.size());
+}
+
+Status ContentVerifier::atlas() const {
+    const std::uint32_t n = o_.atlas_grid_size, m = o_.atlas_image_size;
+    if (n == 0 && m == 0 && o_.atlas_coverage.empty()) return Done{};
+    if (!finite(o_.atlas_centre)) return wrong("atlas", "centre", triple(o_.atlas_centre), "finite numbers");
+    if (!(not_negative(o_.atlas_radius) && o_.atlas_radius > 0))
+        return wrong("atlas", "radius", number(o_.atlas_radius), "a finite number above 0");
+    if (n < 2 || n > layout::kMaxGridSize || n % 2 != 0)
+        return wrong("atlas", "grid_size", number(n), "an even number from 2 to " + number(layout::kMaxGridSize));
+    if (m < 1 || m > layout::kMaxAtlasImageSize)
+        return wrong("atlas", "image_size", number(m), "1 to " + number(layout::kMaxAtlasImageSize));
+    const std::uint64_t expected = std::uint64_t{n} * n / 2 * m * m;
+    if (o_.atlas_coverage.size() != expected)
+        return wrong("atlas", "coverage", number(std::uint64_t{o_.atlas_coverage.size()}) + " bytes",
+                     number(expected) + ", " + number(m) + " x " + number(m) + " per line");
     return Done{};
 }
 

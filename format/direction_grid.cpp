@@ -133,6 +133,16 @@ DirectionGrid::DirectionGrid(GridMap map, std::uint32_t n) : map_(map), n_(n) {
             directions_.push_back(cell_at(map, {double(column), double(row)}, n).direction);
 }
 
+std::uint32_t DirectionGrid::line(std::uint32_t node) const {
+    if (node < lines()) return node;
+    const int n = static_cast<int>(n_), column = static_cast<int>(node % n_), row = static_cast<int>(node / n_);
+    if (map_ == GridMap::LatLong) return static_cast<std::uint32_t>((n - 1 - row) * n + (column + n / 2) % n);
+    // The opposite of (u, v) is (-sgn(u) (1 - |v|), -sgn(v) (1 - |u|)); a, b are n u, n v, odd numbers.
+    const int a = 2 * column + 1 - n, b = 2 * row + 1 - n;
+    const int opposite_a = (a < 0 ? 1 : -1) * (n - std::abs(b)), opposite_b = (b < 0 ? 1 : -1) * (n - std::abs(a));
+    return static_cast<std::uint32_t>((opposite_b + n - 1) / 2 * n + (opposite_a + n - 1) / 2);
+}
+
 std::vector<double> DirectionGrid::solid_angles() const {
     std::vector<double> angles(size());
     const auto points = n_ * kQuadraturePoints;

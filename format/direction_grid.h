@@ -38,6 +38,13 @@ class DirectionGrid {
     /// Unit direction of a node, node = row * n + column.
     const Vec3& direction(std::uint32_t node) const { return directions_[node]; }
 
+    /// Lines of sight: what is the same along w and along -w needs one value for both. Where n is even, each node has an
+    /// opposite one, and the first D / 2 nodes (rows below n / 2) hold one of each two; where n is odd, some nodes have
+    /// none, and every node is a line of its own.
+    std::uint32_t lines() const { return n_ % 2 == 0 ? size() / 2 : size(); }
+    /// The line that a node lies on, below lines(): the node itself, or the one opposite.
+    std::uint32_t line(std::uint32_t node) const;
+
     /// Solid angle that each node stands for (integral of its interpolation weight over the sphere), sr; they sum to
     /// 4 pi. Computed anew by quadrature over 256 D points. [D]
     std::vector<double> solid_angles() const;

@@ -19,7 +19,7 @@ static_assert(std::endian::native == std::endian::little, "archives are little-e
 
 inline constexpr std::array<char, 4> kMagic{'R', 'R', 'O', '\x1a'};
 inline constexpr std::uint16_t kVersionMajor = 1;
-inline constexpr std::uint16_t kVersionMinor = 0;
+inline constexpr std::uint16_t kVersionMinor = 1;
 
 /// Sections and the directory start at multiples of this: a cache line, and more than any type in them needs.
 inline constexpr std::uint64_t kSectionAlignment = 64;
@@ -30,6 +30,8 @@ inline constexpr std::uint64_t kMaxSectionBytes = 0x7fffffff;
 
 /// D = 16384 directions.
 inline constexpr std::uint32_t kMaxGridSize = 128;
+/// Of the silhouette atlas, pixels along each side of an image.
+inline constexpr std::uint32_t kMaxAtlasImageSize = 256;
 /// Far more than any version has; bounds the work on a directory.
 inline constexpr std::uint32_t kMaxSections = 256;
 /// Of clusters and volumes, so that whoever walks a tree may recurse.
@@ -189,6 +191,26 @@ struct SourceField {
 };
 inline constexpr std::array kSource{array_of<std::uint32_t>("triangles")};
 
+struct HitField {
+    enum Number : std::uint16_t { volumes, whole, intrinsic };
+};
+inline constexpr std::array kHit{
+    array_of<std::uint32_t>("volumes"),
+    array_of<std::uint8_t>("whole"),
+    array_of<std::uint8_t>("intrinsic"),
+};
+
+struct AtlasField {
+    enum Number : std::uint16_t { centre, radius, grid_size, image_size, coverage };
+};
+inline constexpr std::array kAtlas{
+    in_place<Vec3f>("centre"),
+    in_place<float>("radius"),
+    in_place<std::uint32_t>("grid_size"),
+    in_place<std::uint32_t>("image_size"),
+    array_of<std::uint8_t>("coverage"),
+};
+
 struct SelfLinksField {
     enum Number : std::uint16_t { steps, exchange, visibility, escape, received, black };
 };
@@ -218,6 +240,8 @@ inline constexpr std::array<SectionSpec, kSectionKinds> kSections{{
     {"errors", kErrors, Codec::Raw, false, Section::Area},
     {"hbv", kHbv, Codec::Zlib, false, Section::Mesh},
     {"source", kSource, Codec::Zlib, true, Section::Meta | Section::Mesh},
+    {"hit", kHit, Codec::Zlib, false, Section::Meta | Section::Hbv},
+    {"atlas", kAtlas, Codec::Zlib, false, {}},
     {"selflinks", kSelfLinks, Codec::Zlib, false, Section::Patches | Section::Clusters},
 }};
 constexpr const SectionSpec& spec_of(Section section) { return kSections[static_cast<std::size_t>(section)]; }

@@ -98,7 +98,7 @@ struct ObjectMeta {
 };
 
 /// Everything in an archive. Spans are owned elsewhere (by the compiler's vectors or by Archive).
-/// P patches, C = 2P - 1 clusters, T triangles, F faces, D = grid_size^2 directions.
+/// P patches, C = 2P - 1 clusters, T triangles, F faces, D = grid_size^2 directions on H lines (DirectionGrid::lines).
 struct ObjectData {
     ObjectMeta meta;
     std::vector<Material> materials;
@@ -140,7 +140,24 @@ struct ObjectData {
     std::span<const float> self_received;                // [P]
     std::span<const float> self_black;                   // [P]
 
+    // Hit probabilities of Q volumes (the largest, each with all above it): of the lines along a direction that meet the
+    // volume's box, the share that hits the object; the same both ways. Value = table[q * H + line] / 255.
+    std::span<const std::uint32_t> hit_volumes;          // [Q] volume numbers, ascending
+    std::span<const std::uint8_t> whole_hit;             // [Q * H] any triangle of the object: before, in, behind the box
+    std::span<const std::uint8_t> intrinsic_hit;         // [Q * H] the volume's own triangles only; often empty
+
+    // Silhouettes: the share of each pixel that the object covers, value / 255, along the lines of the octahedral grid of
+    // n = atlas_grid_size (even; so n^2 / 2 images), each of m^2 pixels, m = atlas_image_size, over the square [-r, r]^2
+    // about the centre. Pixel (column, row), at (line * m + row) * m + column, spans x from r (2 column / m - 1) along
+    // frame_about(w)[0] and y from r (2 row / m - 1) along frame_about(w)[1], w the line's direction. Seen along -w the
+    // first axis is the same and the second one opposite: rows run the other way.
+    Vec3f atlas_centre;                                  // relative to origin
+    float atlas_radius = 0;                              // m, > 0: no vertex is farther from the centre
+    std::uint32_t atlas_grid_size = 0, atlas_image_size = 0;
+    std::span<const std::uint8_t> atlas_coverage;        // [n^2 / 2 * m^2]
+
     std::uint32_t directions() const { return meta.grid_size * meta.grid_size; }
+    std::uint32_t lines() const { return meta.grid_size % 2 == 0 ? directions() / 2 : directions(); }
     TriangleCorners corners(std::uint32_t triangle) const {
         const TriangleIndices& t = triangles[triangle];
         return {origin + to_double(positions[t[0]]), origin + to_double(positions[t[1]]),

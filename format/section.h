@@ -7,9 +7,9 @@ namespace rro {
 
 /// In the order in which they are verified: each needs only sections before it (layout::kSections says which).
 enum class Section : std::uint32_t {
-    Meta, Mesh, Materials, Patches, Clusters, Area, Visibility, Errors, Hbv, Source, SelfLinks
+    Meta, Mesh, Materials, Patches, Clusters, Area, Visibility, Errors, Hbv, Source, Hit, Atlas, SelfLinks
 };
-inline constexpr std::uint32_t kSectionKinds = 11;
+inline constexpr std::uint32_t kSectionKinds = 13;
 
 /// A set of sections: `Section::Area | Section::Visibility`.
 class SectionSet {

@@ -137,6 +137,40 @@ void read_hbv(const TableView& table, ObjectData& object) {
     object.volume_triangles = table.array<std::uint32_t>(layout::HbvField::triangles);
 }
 
+TableBuilder hit_table(const ObjectData& object) {
+    TableBuilder table;
+    table.array(layout::HitField::volumes, object.hit_volumes);
+    table.array(layout::HitField::whole, object.whole_hit);
+    table.array(layout::HitField::intrinsic, object.intrinsic_hit);
+    return table;
+}
+
+void read_hit(const TableView& table, ObjectData& object) {
+    object.hit_volumes = table.array<std::uint32_t>(layout::HitField::volumes);
+    object.whole_hit = table.array<std::uint8_t>(layout::HitField::whole);
+    object.intrinsic_hit = table.array<std::uint8_t>(layout::HitField::intrinsic);
+}
+
+TableBuilder atlas_table(const ObjectData& object) {
+    using F = layout::AtlasField;
+    TableBuilder table;
+    table.structure(F::centre, object.atlas_centre);
+    table.scalar(F::radius, object.atlas_radius);
+    table.scalar(F::grid_size, object.atlas_grid_size);
+    table.scalar(F::image_size, object.atlas_image_size);
+    table.array(F::coverage, object.atlas_coverage);
+    return table;
+}
+
+void read_atlas(const TableView& table, ObjectData& object) {
+    using F = layout::AtlasField;
+    object.atlas_centre = table.value<Vec3f>(F::centre);
+    object.atlas_radius = table.value<float>(F::radius);
+    object.atlas_grid_size = table.value<std::uint32_t>(F::grid_size);
+    object.atlas_image_size = table.value<std::uint32_t>(F::image_size);
+    object.atlas_coverage = table.array<std::uint8_t>(F::coverage);
+}
+
 TableBuilder self_links_table(const ObjectData& object) {
     using F = layout::SelfLinksField;
     TableBuilder table;
@@ -180,6 +214,8 @@ TableBuilder section_table(const ObjectData& object, Section section) {
         case Section::Errors: return errors_table(object);
         case Section::Hbv: return hbv_table(object);
         case Section::Source: return array_table(layout::SourceField::triangles, object.source_triangle);
+        case Section::Hit: return hit_table(object);
+        case Section::Atlas: return atlas_table(object);
         case Section::SelfLinks: return self_links_table(object);
     }
     return {};
@@ -191,6 +227,8 @@ bool has_content(const ObjectData& object, Section section) {
         case Section::Visibility: return !object.visibility.empty();
         case Section::Errors: return object.error_directions != 0;
         case Section::Hbv: return !object.volumes.empty();
+        case Section::Hit: return !object.hit_volumes.empty();
+        case Section::Atlas: return !object.atlas_coverage.empty();
         case Section::SelfLinks: return !object.self_steps.empty();
         default: return true;
     }
@@ -212,6 +250,8 @@ void read_section(const TableView& table, Section section, ObjectData& object) {
         case Section::Source:
             object.source_triangle = table.array<std::uint32_t>(layout::SourceField::triangles);
             return;
+        case Section::Hit: return read_hit(table, object);
+        case Section::Atlas: return read_atlas(table, object);
         case Section::SelfLinks: return read_self_links(table, object);
     }
 }

@@ -30,7 +30,10 @@ Children children_of(const std::span<const Cluster>& clusters, const Pair& p, Pa
 }
 
 bool may_step(const std::span<const Cluster>& clusters, const Pair& p, PairStep step) {
-    const auto divisible = [&](std::uint32_t c) { return clusters[c].right_child != 0; };
+    // Clusters may still be unverified here.
+    const auto divisible = [&](std::uint32_t c) {
+        return clusters[c].right_child > c + 1 && clusters[c].right_child < clusters.size();
+    };
     switch (step) {
         case PairStep::Dark:
         case PairStep::Link: return true;

@@ -43,7 +43,7 @@ struct SelfPairFault {
 };
 
 /// Does every step fit its pair, and do steps and links end together? Looks at self_steps alone and at how many links
-/// there are; clusters must have been verified.
+/// there are; clusters may be unverified.
 std::optional<SelfPairFault> check_self_pairs(const ObjectData& object);
 
 }  // namespace rro

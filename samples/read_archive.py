@@ -54,13 +54,16 @@ TABLES = {
                "visibility": "[float]"},
     "Hbv": {"volumes": "[Volume]", "triangles": "[uint]"},
     "Source": {"triangles": "[uint]"},
+    "Hit": {"volumes": "[uint]", "whole": "[ubyte]", "intrinsic": "[ubyte]"},
+    "Atlas": {"centre": "Vec3f", "radius": "float", "grid_size": "uint", "image_size": "uint",
+              "coverage": "[ubyte]"},
 }
 RECORDS = {name: collections.namedtuple(name, members) for name, members in STRUCTS.items()}
 
 # ---- format/FORMAT.md
 
 REQUIRED = ("meta", "mesh", "materials", "patches", "clusters", "source")
-KNOWN = REQUIRED + ("area", "visibility", "errors", "hbv")
+KNOWN = REQUIRED + ("area", "visibility", "errors", "hbv", "hit", "atlas")
 MAGIC, MAJOR = b"RRO\x1a", 1
 HEADER, ENTRY = struct.Struct("<4sHHQQIIII"), struct.Struct("<24sIIQQQQ")
 CODECS = RAW, ZLIB = 0, 1
@@ -325,6 +328,12 @@ def check_contents(sections):
     if "hbv" in sections:
         check_length(sections, "hbv", "triangles", triangles)
         check_levels("hbv", "volumes", sections["hbv"]["volumes"])
+    if "hit" in sections:
+        lines = size**2 // 2 if size % 2 == 0 else size**2
+        check_length(sections, "hit", "whole", len(sections["hit"]["volumes"]) * lines)
+    if "atlas" in sections:
+        atlas = sections["atlas"]
+        check_length(sections, "atlas", "coverage", atlas["grid_size"]**2 // 2 * atlas["image_size"]**2)
     if "visibility" in sections:
         check_length(sections, "visibility", "visibility", len(patches) * size**2)
     if "area" in sections:

@@ -70,25 +70,11 @@ Status check_tables(const Archive& archive, SectionSet wanted, const std::filesy
     return Done{};
 }
 
-/// The archive with its ray structure and the lookups from triangles and faces.
 Result<std::unique_ptr<Object>> open_object(const std::filesystem::path& path, SectionSet wanted) {
     auto archive = Archive::open(path, wanted);
     if (!archive) return archive.error();
     if (auto checked = check_tables(*archive, wanted, path); !checked) return checked.error();
-    auto object = std::make_unique<Object>(Object{path, std::move(*archive), nullptr, {}, {}, {}, {}});
-    const ObjectData& data = object->data();
-    object->rays = std::make_unique<ObjectRays>(data.positions, data.triangles);
-    object->front_face.assign(data.triangles.size(), kNoFace);
-    object->back_face.assign(data.triangles.size(), kNoFace);
-    for (std::uint32_t f = 0; f < data.faces.size(); ++f) {
-        const Face face = data.faces[f];
-        (face.side() == Side::Front ? object->front_face : object->back_face)[face.triangle()] = f;
-    }
-    object->patch_of_face.assign(data.faces.size(), 0);
-    for (std::uint32_t p = 0; p < data.patches.size(); ++p)
-        std::fill_n(object->patch_of_face.begin() + data.patches[p].first_face, data.patches[p].face_count, p);
-    object->self_pairs = self_pairs(data);
-    return object;
+    return make_object(path, std::move(*archive));
 }
 
 /// Opens several at a time; of several errors the first in the manifest is given.
@@ -193,6 +179,23 @@ Result<Instance> place_instance(const Manifest& manifest, std::size_t number, co
 }
 
 }  // namespace
+
+std::unique_ptr<Object> make_object(std::filesystem::path path, Archive archive) {
+    auto object = std::make_unique<Object>(Object{std::move(path), std::move(archive), nullptr, {}, {}, {}, {}});
+    const ObjectData& data = object->data();
+    object->rays = std::make_unique<ObjectRays>(data.positions, data.triangles);
+    object->front_face.assign(data.triangles.size(), kNoFace);
+    object->back_face.assign(data.triangles.size(), kNoFace);
+    for (std::uint32_t f = 0; f < data.faces.size(); ++f) {
+        const Face face = data.faces[f];
+        (face.side() == Side::Front ? object->front_face : object->back_face)[face.triangle()] = f;
+    }
+    object->patch_of_face.assign(data.faces.size(), 0);
+    for (std::uint32_t p = 0; p < data.patches.size(); ++p)
+        std::fill_n(object->patch_of_face.begin() + data.patches[p].first_face, data.patches[p].face_count, p);
+    object->self_pairs = self_pairs(data);
+    return object;
+}
 
 Result<Scene> open_scene(Manifest manifest, SectionSet wanted) {
     auto files = archive_files(manifest);

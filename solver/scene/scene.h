@@ -16,7 +16,7 @@ namespace rro {
 struct Object {
     std::filesystem::path path;
     Archive archive;
-    std::unique_ptr<ObjectRays> rays;  // built by open_scene
+    std::unique_ptr<ObjectRays> rays;  // built with the object
     std::vector<std::uint32_t> front_face;  // [T] face number of a triangle's front
     std::vector<std::uint32_t> back_face;   // [T] of its back, or kNoFace
     std::vector<std::uint32_t> patch_of_face;  // [F]
@@ -25,6 +25,9 @@ struct Object {
     const ObjectData& data() const { return archive.data(); }
 };
 inline constexpr std::uint32_t kNoFace = 0xffffffffu;
+
+/// The archive with its ray structure, the lookups from triangles and faces, and its pair tree.
+std::unique_ptr<Object> make_object(std::filesystem::path path, Archive archive);
 
 /// One placed object with its radiometry resolved.
 struct Instance {

@@ -218,7 +218,11 @@ TEST_CASE("each change is told by its kind and nothing else is", "[compiler][dif
          [](auto& o) { std::rotate(o.triangles[0].begin(), o.triangles[0].begin() + 1, o.triangles[0].end()); }},
         {{"triangles_sides"}, [](auto& o) { o.faces[0] = Face::make(0, Side::Back); }},
         {{"vertices"}, [](auto& o) { o.positions.push_back({}); }},
-        {{"volumes", "volume_depth"}, [](auto& o) { o.volumes.resize(1), o.volumes[0].right_child = 0; }},
+        {{"volumes", "volume_depth", "hit_volumes"},
+         [](auto& o) {
+             o.volumes.resize(1), o.volumes[0].right_child = 0;
+             o.hit_volumes.resize(1), o.whole_hit.resize(9), o.intrinsic_hit.resize(9);
+         }},
         {{"area_clusters"},
          [](auto& o) {
              o.area_clusters.pop_back(), o.whole_area_scale.pop_back(), o.intrinsic_area_scale.pop_back();
@@ -233,6 +237,14 @@ TEST_CASE("each change is told by its kind and nothing else is", "[compiler][dif
         {{"whole_area_error"}, [](auto& o) { o.whole_area_error[0] = 0.5f; }},
         {{"intrinsic_area_error"}, [](auto& o) { o.intrinsic_area_error[0] = 0.5f; }},
         {{"visibility_error"}, [](auto& o) { o.visibility_error[0] = 0.5f; }},
+        {{"hit_volumes"}, [](auto& o) { o.hit_volumes.pop_back(), o.whole_hit.resize(9), o.intrinsic_hit.resize(9); }},
+        {{"hit_probability"}, [](auto& o) { o.whole_hit[3] = 0; }},
+        {{"intrinsic_hit_probability"}, [](auto& o) { o.intrinsic_hit[8] = 0; }},
+        {{"hit_probability_of_volumes"}, [](auto& o) { o.whole_hit[9] = 0; }},
+        {{"intrinsic_hit_probability_of_volumes"}, [](auto& o) { o.intrinsic_hit[17] = 0; }},
+        {{"atlas_layout"}, [](auto& o) { o.atlas_image_size = 1, o.atlas_coverage.resize(2); }},
+        {{"atlas_sphere"}, [](auto& o) { o.atlas_radius = 2; }},
+        {{"silhouette"}, [](auto& o) { o.atlas_coverage[7] = 0; }},
         // Bits that no kind of its own tells: the section does.
         {{}, [](auto& o) { o.patches[2].cone_cosine = 0.5f; }},
     };
@@ -250,7 +262,8 @@ TEST_CASE("each change is told by its kind and nothing else is", "[compiler][dif
         if (example.kinds.contains("triangles_sides")) found.erase("patches");
         CHECK(found == example.kinds);
         CHECK(forth.unchanged_sections == back.unchanged_sections);
-        const std::size_t changed = example.kinds.contains("area_clusters") ? 2 : 1;  // the errors are per area cluster
+        // The errors are per area cluster, the hit probabilities per volume.
+        const std::size_t changed = example.kinds.contains("area_clusters") || example.kinds.contains("volumes") ? 2 : 1;
         CHECK(forth.unchanged_sections.size() + changed == before.sections().size());
         // Back is forth the other way round.
         if (example.kinds == std::set<std::string>{"material_added"})
@@ -452,6 +465,8 @@ TEST_CASE("everything may be of other size", "[compiler][diff]") {
     bare.error_directions = 0;
     bare.whole_area_error.clear(), bare.intrinsic_area_error.clear(), bare.visibility_error.clear();
     bare.volumes.clear(), bare.volume_triangles.clear();
+    bare.hit_volumes.clear(), bare.whole_hit.clear(), bare.intrinsic_hit.clear(), bare.atlas_coverage.clear();
+    bare.atlas_grid_size = bare.atlas_image_size = 0;
     const Archive small = archive_of(bare);
     for (const Archive* a : {&tiny, &sphere, &small})
         for (const Archive* b : {&tiny, &sphere, &small}) CHECK(diff_of(*a, *b).same == (a == b));
@@ -471,7 +486,7 @@ TEST_CASE("the text keeps groups in order, labels each once, and cuts long lists
                                                  "materials   \"m0\": reflectance (0.5, 0.5, 0.5) -> (0.6, 0.5, 0.5)\n"
                                                  "            \"m1\": "));
     CHECK_THAT(text, Contains("            and 8 more (--json has all)\n"));
-    CHECK_THAT(text, Catch::Matchers::EndsWith("unchanged   mesh, patches, clusters, area, visibility, errors, hbv, source\n"));
+    CHECK_THAT(text, Catch::Matchers::EndsWith("unchanged   mesh, patches, clusters, area, visibility, errors, hbv, source, hit, atlas\n"));
     const auto json = nlohmann::json::parse(diff_json(diff, "old/a.rro", "new/a.rro"));
     CHECK(std::count_if(json["changes"].begin(), json["changes"].end(),
                         [](const auto& c) { return c["kind"] == "reflectance"; }) == 20);

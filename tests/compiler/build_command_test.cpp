@@ -6,6 +6,7 @@
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "compiler/inspect.h"
 #include "format/archive_reader.h"
@@ -88,8 +89,20 @@ TEST_CASE("wrong values of options are usage errors", "[compiler][build]") {
     SECTION("reflectance with a tail") {
         request.reflectance = "0.5,0.5,0.5,0.5";
     }
-    SECTION("tables not built yet") {
-        request.tables = "all";
+    SECTION("no tables") {
+        request.tables = "";
+    }
+    SECTION("an unknown table") {
+        request.tables = "area,volume";
+    }
+    SECTION("a missing name of a table") {
+        request.tables = "area,";
+    }
+    SECTION("all among other tables") {
+        request.tables = "area,all";
+    }
+    SECTION("errors of tables that are not stored") {
+        request.tables = "errors,area";
     }
     SECTION("equal stems") {
         request.meshes = {"x/a.obj", "y/a.ply"};
@@ -151,6 +164,72 @@ TEST_CASE("build, inspect, and build again if changed", "[compiler][build]") {
     CHECK(built(request).unchanged);
     folder.write("square.rro", "not an archive");
     CHECK(!built(request).unchanged);
+}
+
+TEST_CASE("an archive holds the tables that --tables names, and says so", "[compiler][build]") {
+    const Folder folder;
+    const fs::path mesh = folder.write("square.obj", kSquare), archive = folder.path / "square.rro";
+    struct Case {
+        std::string tables, said;
+        std::set<std::string> optional;  // sections beyond those of every archive
+    };
+    const std::vector<Case> cases{
+        {"default", "default", {"area", "visibility", "errors", "hbv", "hit", "atlas"}},
+        {"all", "all", {"area", "visibility", "errors", "hbv", "hit", "atlas"}},
+        {"selflinks,atlas,hit,errors,visibility,area", "default", {"area", "visibility", "errors", "hbv", "hit", "atlas"}},
+        {"visibility,area", "area,visibility", {"area", "visibility", "hbv"}},
+        {"area", "area", {"area", "hbv"}},
+        {"visibility", "visibility", {"visibility", "hbv"}},
+        {"errors,area,visibility", "area,visibility,errors", {"area", "visibility", "errors", "hbv"}},
+        {"hit", "hit", {"hbv", "hit"}},
+        {"atlas,atlas", "atlas", {"hbv", "atlas"}},
+        {"selflinks", "selflinks", {"hbv"}},
+    };
+    for (const Case& example : cases) {
+        INFO("--tables " << example.tables);
+        BuildRequest request = request_for(mesh, archive);
+        request.tables = example.tables;
+        REQUIRE(!built(request).error);
+        const auto opened = Archive::open(archive);
+        REQUIRE(opened);
+        CHECK_THAT(opened->data().meta.options, Catch::Matchers::Contains(" tables=" + example.said + " "));
+        std::set<std::string> optional;
+        for (const SectionInfo& section : opened->sections()) optional.insert(section.name);
+        for (const char* always : {"meta", "mesh", "materials", "patches", "clusters", "source"})
+            CHECK(optional.erase(always) == 1);
+        CHECK(optional == example.optional);
+        CHECK(opened->data().intrinsic_hit.empty() == (example.tables != "all"));
+        CHECK(!inspection_text(*opened, "square.rro").empty());
+    }
+}
+
+TEST_CASE("--tables all is for every node, default for the largest", "[compiler][build]") {
+    const Folder folder;
+    // A sheet of 3,000 steps: more clusters and volumes than the largest thousand.
+    std::string steps;
+    for (int i = 0; i <= 6000; ++i)
+        for (int j = 0; j < 2; ++j)
+            steps += "v " + std::to_string(i) + " " + std::to_string(i / 2 % 2 * 2 + i % 2) + " " + std::to_string(j) + "\n";
+    for (int i = 0; i < 6000; ++i) {
+        const int a = 2 * i + 1;
+        steps += "f " + std::to_string(a) + " " + std::to_string(a + 1) + " " + std::to_string(a + 3) + " " +
+                 std::to_string(a + 2) + "\n";
+    }
+    BuildRequest request = request_for(folder.write("steps.obj", steps), folder.path / "steps.rro");
+    request.grid = 2;
+    for (const char* tables : {"default", "all"}) {
+        request.tables = tables;
+        REQUIRE(!built(request).error);
+        const auto archive = Archive::open(folder.path / "steps.rro");
+        REQUIRE(archive);
+        const ObjectData& d = archive->data();
+        REQUIRE(std::min(d.clusters.size(), d.volumes.size()) > 1024);
+        CHECK(d.area_clusters.size() == (request.tables == "all" ? d.clusters.size() : 1024));
+        CHECK(d.hit_volumes.size() == (request.tables == "all" ? d.volumes.size() : 1024));
+        CHECK(d.intrinsic_area.size() == d.area_clusters.size() * 4);
+        CHECK(d.whole_area_error.size() == d.area_clusters.size());
+        CHECK(d.intrinsic_hit.size() == (request.tables == "all" ? d.volumes.size() * 2 : 0));
+    }
 }
 
 TEST_CASE("an archive's bytes do not depend on threads or on when it is made", "[compiler][build]") {

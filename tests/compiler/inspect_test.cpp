@@ -28,7 +28,9 @@ TEST_CASE("inspect tells source, settings, counts and every section", "[compiler
     const std::string text = inspection_text(archive, "library/tiny.rro");
     CHECK_THAT(text, Catch::Matchers::StartsWith("library/tiny.rro: format " + format_version(archive) + ", "));
     for (const char* part : {"box.obj", "aaaaaaaa", "grid=3", "octahedral", "lamp", "0.5 0.25 0.125",
-                             "12 triangles of 13 in the source", "6 patches, 11 clusters (4 deep), 3 volumes"})
+                             "12 triangles of 13 in the source", "6 patches, 11 clusters (4 deep), 3 volumes",
+                             "probabilities of 2 volumes, intrinsic ones too along 9 lines; 1 for the object's box",
+                             "2 silhouettes of 2 x 2 pixels, of a sphere of 1.875 m about (0.5, 1, 1.5)"})
         CHECK_THAT(text, Contains(part));
     for (const SectionInfo& section : archive.sections()) CHECK_THAT(text, Contains("section    " + section.name));
 
@@ -38,6 +40,10 @@ TEST_CASE("inspect tells source, settings, counts and every section", "[compiler
     CHECK(json["closed"] == true);
     CHECK(json["counts"]["triangles"] == 12);
     CHECK(json["materials"][1]["exitance"] == nlohmann::json{20, 18, 15.5});
+    CHECK(json["counts"]["hit_volumes"] == 2);
+    CHECK(json["hit"] == nlohmann::json{{"volumes", 2}, {"lines", 9}, {"intrinsic", true}, {"object", json["hit"]["object"]}});
+    CHECK(json["hit"]["object"].get<double>() == Approx(1));
+    CHECK(json["atlas"] == nlohmann::json{{"grid_size", 2}, {"image_size", 2}, {"centre", {0.5, 1, 1.5}}, {"radius", 1.875}});
     CHECK(json["sections"].size() == archive.sections().size());
 }
 

@@ -76,6 +76,20 @@ void check_same(const ObjectData& a, const ObjectData& b) {
     CHECK(same_bytes(a.whole_area_error, b.whole_area_error));
     CHECK(same_bytes(a.intrinsic_area_error, b.intrinsic_area_error));
     CHECK(same_bytes(a.visibility_error, b.visibility_error));
+    CHECK(same_bytes(a.hit_volumes, b.hit_volumes));
+    CHECK(same_bytes(a.whole_hit, b.whole_hit));
+    CHECK(same_bytes(a.intrinsic_hit, b.intrinsic_hit));
+    CHECK(same_bytes(a.self_steps, b.self_steps));
+    CHECK(same_bytes(a.self_exchange, b.self_exchange));
+    CHECK(same_bytes(a.self_visibility, b.self_visibility));
+    CHECK(same_bytes(a.self_escape, b.self_escape));
+    CHECK(same_bytes(a.self_received, b.self_received));
+    CHECK(same_bytes(a.self_black, b.self_black));
+    CHECK(a.atlas_centre == b.atlas_centre);
+    CHECK(a.atlas_radius == b.atlas_radius);
+    CHECK(a.atlas_grid_size == b.atlas_grid_size);
+    CHECK(a.atlas_image_size == b.atlas_image_size);
+    CHECK(same_bytes(a.atlas_coverage, b.atlas_coverage));
 }
 
 /// The place and the message of the refusal.
@@ -119,6 +133,19 @@ TEST_CASE("defaults and what is left out come back too", "[archive]") {
     object.visibility_error.clear();
     object.volumes.clear();
     object.volume_triangles.clear();
+    object.hit_volumes.clear();
+    object.whole_hit.clear();
+    object.intrinsic_hit.clear();
+    object.self_steps.clear();
+    object.self_exchange.clear();
+    object.self_visibility.clear();
+    object.self_escape.clear();
+    object.self_received.clear();
+    object.self_black.clear();
+    object.atlas_centre = {};
+    object.atlas_radius = 0;
+    object.atlas_grid_size = object.atlas_image_size = 0;
+    object.atlas_coverage.clear();
     const auto archive = Archive::from_bytes(encoded(object), "tiny.rro");
     REQUIRE(archive);
     check_same(archive->data(), object.data());
@@ -308,6 +335,15 @@ TEST_CASE("the writer stores raw what a reader would take for a bomb", "[archive
     object.whole_area_error.clear();
     object.intrinsic_area_error.clear();
     object.visibility_error.clear();
+    object.hit_volumes.clear();
+    object.whole_hit.clear();
+    object.intrinsic_hit.clear();
+    object.self_steps.clear();
+    object.self_exchange.clear();
+    object.self_visibility.clear();
+    object.self_escape.clear();
+    object.self_received.clear();
+    object.self_black.clear();
     object.visibility.assign(std::size_t{4500} * 128 * 128, 255);
     const Bytes bytes = encoded(object);
     CHECK(entry_of(bytes, "visibility").codec == layout::Codec::Raw);
@@ -322,7 +358,7 @@ TEST_CASE("only what is wanted is unpacked and shown, with what it refers to", "
     REQUIRE(meta);
     CHECK(meta->data().meta.source_name == "box.obj");
     CHECK(meta->data().positions.empty());
-    CHECK(meta->sections().size() == 10);
+    CHECK(meta->sections().size() == 12);
     const auto tables = Archive::from_bytes(bytes, "tiny.rro", Section::Visibility);
     REQUIRE(tables);
     CHECK_FALSE(tables->data().visibility.empty());

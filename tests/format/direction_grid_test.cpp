@@ -177,3 +177,20 @@ TEST_CASE("the latitude-longitude grid is the paper's: rows are latitudes, colum
             CHECK(std::fmod(std::atan2(w.z, w.x) + 2 * kPi, 2 * kPi) == Approx(2 * kPi * (column + 0.5) / 12));
         }
 }
+
+TEST_CASE("a grid of even size has two nodes on each line, opposite ones, one of them in its first half",
+          "[direction_grid]") {
+    for (const GridMap map : {GridMap::Octahedral, GridMap::LatLong})
+        for (const std::uint32_t n : {2u, 3u, 4u, 7u, 12u, 13u}) {
+            const DirectionGrid grid(map, n);
+            REQUIRE(grid.lines() == (n % 2 == 0 ? n * n / 2 : n * n));
+            for (std::uint32_t node = 0; node < grid.size(); ++node) {
+                const std::uint32_t line = grid.line(node);
+                REQUIRE(line < grid.lines());
+                if (node < grid.lines())
+                    CHECK(line == node);
+                else
+                    CHECK(length(grid.direction(line) + grid.direction(node)) < 1e-14);
+            }
+        }
+}

@@ -177,6 +177,52 @@ TEST_CASE("faults of the tables", "[verifier]") {
     });
 }
 
+TEST_CASE("faults of self links", "[verifier]") {
+    check_faults({
+        {"selflinks: field exchange[1]", [](auto& o) { o.self_exchange[1] = -0.5f; }},
+        {"selflinks: field exchange[2]", [](auto& o) { o.self_exchange[2] = kNan; }},
+        {"selflinks: field visibility", [](auto& o) { o.self_visibility.pop_back(); }},
+        {"selflinks: field escape", [](auto& o) { o.self_escape.pop_back(); }},
+        {"selflinks: field received[5]", [](auto& o) { o.self_received[5] = std::numeric_limits<float>::infinity(); }},
+        {"selflinks: field black[0]", [](auto& o) { o.self_black[0] = -1; }},
+        {"selflinks: field steps[3]", [](auto& o) { o.self_steps[3] = 5; }},
+        {"selflinks: field steps[2]", [](auto& o) { o.self_steps[2] = 4; }},
+        {"selflinks: field steps[5]", [](auto& o) { o.self_steps.resize(5); }},
+        {"selflinks: field steps[8]", [](auto& o) { o.self_exchange.push_back(1), o.self_visibility.push_back(0); }},
+    });
+}
+
+TEST_CASE("faults of hit probabilities and silhouettes", "[verifier]") {
+    check_faults({
+        {"hit: field volumes[1]", [](auto& o) { o.hit_volumes[1] = 3; }},
+        {"hit: field volumes[1]", [](auto& o) { o.hit_volumes[1] = 0; }},
+        {"hit: field volumes[0]", [](auto& o) { o.hit_volumes[0] = 1; }},  // without the root above it
+        {"hit: field volumes[0]", [](auto& o) { o.volumes.clear(), o.volume_triangles.clear(); }},
+        {"hit: field whole", [](auto& o) { o.whole_hit.pop_back(); }},
+        {"hit: field whole", [](auto& o) { o.whole_hit.clear(); }},
+        {"hit: field intrinsic", [](auto& o) { o.intrinsic_hit.push_back(0); }},
+        {"hit: field whole", [](auto& o) { o.hit_volumes.clear(); }},
+        {"atlas: field centre", [](auto& o) { o.atlas_centre.y = kNan; }},
+        {"atlas: field radius", [](auto& o) { o.atlas_radius = 0; }},
+        {"atlas: field radius", [](auto& o) { o.atlas_radius = std::numeric_limits<float>::infinity(); }},
+        {"atlas: field grid_size", [](auto& o) { o.atlas_grid_size = 0; }},
+        {"atlas: field grid_size", [](auto& o) { o.atlas_grid_size = 3; }},
+        {"atlas: field grid_size", [](auto& o) { o.atlas_grid_size = 0x80000000u; }},
+        {"atlas: field image_size", [](auto& o) { o.atlas_image_size = 0; }},
+        {"atlas: field image_size", [](auto& o) { o.atlas_image_size = 0xffffffffu; }},
+        {"atlas: field coverage", [](auto& o) { o.atlas_coverage.pop_back(); }},
+        {"atlas: field coverage", [](auto& o) { o.atlas_coverage.clear(); }},
+    });
+}
+
+TEST_CASE("the hit probabilities of a grid of even size are stored for half of its directions", "[verifier]") {
+    TinyObject object = tiny_object(4);
+    CHECK(object.whole_hit.size() == 2 * 8);
+    CHECK(verify_content(object.data(), SectionSet::all(), "tiny.rro"));
+    object.whole_hit.resize(2 * 16);
+    CHECK_FALSE(verify_content(object.data(), SectionSet::all(), "tiny.rro"));
+}
+
 TEST_CASE("trees have a greatest depth, and one level more is refused", "[verifier]") {
     // A list: each inner node's left child is a leaf. P patches make a tree P levels deep.
     const auto list_of = [](std::uint32_t patches) {

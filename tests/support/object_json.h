@@ -98,6 +98,17 @@ inline Json object_json(const ObjectData& o) {
                                                        {"right_child", v.right_child}};
                                        })},
                    {"triangles", numbers(o.volume_triangles)}};
+    json["hit"] = {{"volumes", numbers(o.hit_volumes)},
+                   {"whole", numbers(o.whole_hit)},
+                   {"intrinsic", numbers(o.intrinsic_hit)}};
+    json["atlas"] = {{"centre", xyz(o.atlas_centre)},
+                     {"radius", o.atlas_radius},
+                     {"grid_size", o.atlas_grid_size},
+                     {"image_size", o.atlas_image_size},
+                     {"coverage", numbers(o.atlas_coverage)}};
+    json["selflinks"] = {{"steps", numbers(o.self_steps)},       {"exchange", numbers(o.self_exchange)},
+                         {"visibility", numbers(o.self_visibility)}, {"escape", numbers(o.self_escape)},
+                         {"received", numbers(o.self_received)}, {"black", numbers(o.self_black)}};
     json["source"] = {{"triangles", numbers(o.source_triangle)}};
     return json;
 }

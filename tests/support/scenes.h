@@ -25,26 +25,14 @@ struct Placed {
 };
 
 /// The mesh as an archive, opened, with its ray structure and lookups.
-inline std::unique_ptr<Object> make_object(const Mesh& mesh, const CompileOptions& options = {}) {
+inline std::unique_ptr<Object> compile_to_object(const Mesh& mesh, const CompileOptions& options = {}) {
     auto compiled = compile_object(mesh, options);
     if (!compiled) throw std::runtime_error(compiled.error().message);
     auto bytes = encode_archive(compiled->data);
     if (!bytes) throw std::runtime_error(bytes.error().message);
     auto archive = Archive::from_bytes(std::move(*bytes), "in memory");
     if (!archive) throw std::runtime_error(archive.error().message);
-    auto object = std::make_unique<Object>(Object{"in memory", std::move(*archive), nullptr, {}, {}, {}});
-    const ObjectData& data = object->data();
-    object->rays = std::make_unique<ObjectRays>(data.positions, data.triangles);
-    object->front_face.assign(data.triangles.size(), kNoFace);
-    object->back_face.assign(data.triangles.size(), kNoFace);
-    for (std::uint32_t f = 0; f < data.faces.size(); ++f) {
-        const Face face = data.faces[f];
-        (face.side() == Side::Front ? object->front_face : object->back_face)[face.triangle()] = f;
-    }
-    object->patch_of_face.assign(data.faces.size(), 0);
-    for (std::uint32_t p = 0; p < data.patches.size(); ++p)
-        std::fill_n(object->patch_of_face.begin() + data.patches[p].first_face, data.patches[p].face_count, p);
-    return object;
+    return make_object("in memory", std::move(*archive));
 }
 
 /// Places one more instance of `object`, which the scene must hold.
@@ -72,7 +60,7 @@ inline Scene make_scene(const std::vector<Placed>& placed, const CompileOptions&
     Scene scene;
     scene.manifest.path = "in memory";
     for (const Placed& p : placed) {
-        scene.objects.push_back(make_object(p.mesh, options));
+        scene.objects.push_back(compile_to_object(p.mesh, options));
         add_instance(scene, *scene.objects.back(), p.to_world, p.reflectance, p.exitance, p.name);
     }
     return scene;

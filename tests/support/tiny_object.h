@@ -28,6 +28,14 @@ struct TinyObject {
     std::vector<float> whole_area_scale, intrinsic_area_scale;
     std::uint32_t error_directions = 0;
     std::vector<float> whole_area_error, intrinsic_area_error, visibility_error;
+    std::vector<std::uint32_t> hit_volumes;
+    std::vector<std::uint8_t> whole_hit, intrinsic_hit;
+    Vec3f atlas_centre;
+    float atlas_radius = 0;
+    std::uint32_t atlas_grid_size = 0, atlas_image_size = 0;
+    std::vector<std::uint8_t> atlas_coverage;
+    std::vector<std::uint8_t> self_steps, self_visibility;
+    std::vector<float> self_exchange, self_escape, self_received, self_black;
 
     /// Views of the vectors as they are now.
     ObjectData data() const {
@@ -53,6 +61,20 @@ struct TinyObject {
         d.whole_area_error = whole_area_error;
         d.intrinsic_area_error = intrinsic_area_error;
         d.visibility_error = visibility_error;
+        d.hit_volumes = hit_volumes;
+        d.whole_hit = whole_hit;
+        d.intrinsic_hit = intrinsic_hit;
+        d.atlas_centre = atlas_centre;
+        d.atlas_radius = atlas_radius;
+        d.atlas_grid_size = atlas_grid_size;
+        d.atlas_image_size = atlas_image_size;
+        d.atlas_coverage = atlas_coverage;
+        d.self_steps = self_steps;
+        d.self_exchange = self_exchange;
+        d.self_visibility = self_visibility;
+        d.self_escape = self_escape;
+        d.self_received = self_received;
+        d.self_black = self_black;
         return d;
     }
 };
@@ -88,7 +110,9 @@ inline void add_clusters(TinyObject& o, std::uint32_t first, std::uint32_t count
 }
 
 /// The box [origin, origin + size] with six patches (one per wall, materials alternating), a cluster tree, an HBV of
-/// three volumes, area tables of the root and its left child with error bars, and full visibility, over a `grid_size`^2 grid.
+/// three volumes, area tables of the root and its left child with error bars, full visibility, and hit probabilities of
+/// two volumes, over a `grid_size`^2 grid; an atlas of two lines of 2 x 2 pixels; three self links,
+/// of walls 0 with the three far ones, 1 with 3, and the three far ones with one another.
 inline TinyObject tiny_object(std::uint32_t grid_size = 3, const Vec3& origin = {}) {
     const Vec3f size{1, 2, 3};
     TinyObject o;
@@ -126,6 +150,21 @@ inline TinyObject tiny_object(std::uint32_t grid_size = 3, const Vec3& origin = 
     o.whole_area_error = {0.0625f, 0.125f};
     o.intrinsic_area_error = {0.03125f, 0.25f};
     o.visibility_error = {0, 0.5f};
+    const std::uint32_t lines = directions % 2 == 0 ? directions / 2 : directions;
+    o.hit_volumes = {0, 2};
+    o.whole_hit.assign(2 * std::size_t{lines}, 255);
+    for (std::uint32_t i = 0; i < 2 * lines; ++i) o.intrinsic_hit.push_back(static_cast<std::uint8_t>(255 - i));
+    o.atlas_centre = {0.5f, 1, 1.5f};
+    o.atlas_radius = 1.875f;
+    o.atlas_grid_size = o.atlas_image_size = 2;
+    o.atlas_coverage = {0, 16, 32, 255, 64, 80, 96, 112};
+
+    o.self_steps = {4, 0, 2, 1, 3, 1, 0, 1};
+    o.self_exchange = {0.5f, 0.25f, 1.5f};
+    o.self_visibility = {255, 128, 0};
+    o.self_escape = {1, 0.5f, 0.75f, 0.25f, 0, 0.125f};
+    o.self_received = {0, 0.5f, 0.25f, 0.5f, 1, 0.375f};
+    o.self_black = {0, 0, 0, 0.25f, 0, 0.5f};
 
     o.meta.tool_version = "1.0.0";
     o.meta.source_name = "box.obj";
