@@ -104,8 +104,10 @@ CoverageMask silhouette(std::span<const Vec3f> positions, std::span<const Triang
     for (const std::uint32_t t : across_rows(triangles, vertices.row)) {
         const auto& [a, b, c] = triangles[t];
         const std::array corners{vertices.at[a], vertices.at[b], vertices.at[c]};
-        const auto [left, right] = std::minmax({corners[0].x, corners[1].x, corners[2].x});
-        const auto [begin, end] = std::minmax({vertices.row[a], vertices.row[b], vertices.row[c]});
+        const double left = least(corners[0].x, corners[1].x, corners[2].x);
+        const double right = greatest(corners[0].x, corners[1].x, corners[2].x);
+        const std::int32_t begin = least(vertices.row[a], vertices.row[b], vertices.row[c]);
+        const std::int32_t end = greatest(vertices.row[a], vertices.row[b], vertices.row[c]);
         if (adds_nothing(mask, shifts, begin, end, left, right)) continue;
         for_each_span(corners, columns, rows,
                       [&](std::uint32_t row, std::uint32_t from, std::uint32_t to) { mask.cover(row, from, to); });

@@ -26,13 +26,23 @@ struct ImagePoint {
     double x, y;
 };
 
+/// Of three, without a branch, unlike std::minmax.
+template <class T>
+T least(T a, T b, T c) {
+    return std::min(std::min(a, b), c);
+}
+template <class T>
+T greatest(T a, T b, T c) {
+    return std::max(std::max(a, b), c);
+}
+
 /// The first sample row that does not lie below y.
 inline double first_row(double y) { return std::ceil(y - kSampleHeight); }
 
 /// Calls emit(row, begin, end) for each run of samples that lie in the triangle; rows ascend.
 template <class Emit>
 void for_each_span(const std::array<ImagePoint, 3>& t, std::uint32_t columns, std::uint32_t rows, const Emit& emit) {
-    const auto [low, high] = std::minmax({t[0].y, t[1].y, t[2].y});
+    const double low = least(t[0].y, t[1].y, t[2].y), high = greatest(t[0].y, t[1].y, t[2].y);
     const double last = std::min(first_row(high), static_cast<double>(rows));
     for (double row = std::max(0.0, first_row(low)); row < last; ++row) {
         const double y = row + kSampleHeight;
