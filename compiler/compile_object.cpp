@@ -14,7 +14,6 @@
 #include "compiler/silhouette_atlas.h"
 #include "compiler/surface.h"
 #include "compiler/table_error.h"
-#include "format/rays/object_rays.h"
 #include "format/version.h"
 
 namespace rro {
@@ -141,11 +140,10 @@ Result<CompiledObject> compile_object(const Mesh& mesh, const CompileOptions& op
     report("hit probabilities", 0.33);
     if (tables.hit) store_hits(measure_hits(object.data, tables), object);
     if (tables.area || tables.visibility) {
-        const ObjectRays rays(object.positions, object.triangles);
         report("effective areas", 0.4);
-        store_areas(measure_effective_areas(object.data, rays, tables), object);
+        store_areas(measure_effective_areas(object.data, tables), object);
         report("table errors", 0.85);
-        if (tables.errors) store_errors(measure_table_errors(object.data, rays), object);
+        if (tables.errors) store_errors(measure_table_errors(object.data), object);
     }
     report("tables", 1);
     return object;
