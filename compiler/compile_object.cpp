@@ -15,7 +15,6 @@
 #include "compiler/silhouette_atlas.h"
 #include "compiler/surface.h"
 #include "compiler/table_error.h"
-#include "format/rays/object_rays.h"
 #include "format/version.h"
 
 namespace rro {
@@ -161,14 +160,16 @@ Result<CompiledObject> compile_object(const Mesh& mesh, const CompileOptions& op
     if (tables.atlas) store_atlas(measure_silhouettes(object.data), object);
     report("hit probabilities", 0.33);
     if (tables.hit) store_hits(measure_hits(object.data, tables), object);
-    if (tables.area || tables.visibility || tables.selflinks) {
-        const ObjectRays rays(object.positions, object.triangles);
+    if (tables.area || tables.visibility) {
         report("effective areas", 0.4);
-        store_areas(measure_effective_areas(object.data, rays, tables), object);
+        store_areas(measure_effective_areas(object.data, tables), object);
         report("table errors", 0.65);
-        if (tables.errors) store_errors(measure_table_errors(object.data, rays), object);
+        if (tables.errors) store_errors(measure_table_errors(object.data), object);
+    }
+    if (tables.selflinks) {
         report("self links", 0.75);
-        if (tables.selflinks) store_self_links(measure_self_links(object.data, rays), object);
+        const ObjectRays rays(object.positions, object.triangles);
+        store_self_links(measure_self_links(object.data, rays), object);
         if (tables.visibility && !object.self_steps.empty())
             store_closure(measure_closure(object.data, rays), object);
     }

@@ -61,7 +61,7 @@ void store_visibility(const SeenCounts& counts, const DirectionGrid& grid, Effec
 }
 
 /// ranges   the faces of areas.clusters
-void store_areas(const ObjectData& object, const ObjectRays& rays, const SeenCounts& counts, const DirectionGrid& grid,
+void store_areas(const ObjectData& object, const SeenCounts& counts, const DirectionGrid& grid,
                  std::span<const FaceRange> ranges, EffectiveAreas& areas) {
     const std::vector<Vec3> directions = node_directions(grid);
     const std::vector<double> cosine = cosine_sums(object, directions, ranges);
@@ -70,14 +70,14 @@ void store_areas(const ObjectData& object, const ObjectRays& rays, const SeenCou
         areas.intrinsic = areas.whole;
         areas.intrinsic_scale = areas.whole_scale;
     } else {
-        const SampleCounts own = count_intrinsic(object, rays, directions, areas.clusters);
+        const SampleCounts own = count_intrinsic(object, directions, areas.clusters);
         quantise(cosine, visible_shares(own, counts.whole, grid), grid.size(), areas.intrinsic, areas.intrinsic_scale);
     }
 }
 
 }  // namespace
 
-EffectiveAreas measure_effective_areas(const ObjectData& object, const ObjectRays& rays, const TableChoice& tables) {
+EffectiveAreas measure_effective_areas(const ObjectData& object, const TableChoice& tables) {
     assert(!object.faces.empty() && object.meta.image_resolution > 0);
     assert(tables.area || tables.visibility);
     const DirectionGrid grid(object.meta.grid_map, object.meta.grid_size);
@@ -86,9 +86,9 @@ EffectiveAreas measure_effective_areas(const ObjectData& object, const ObjectRay
         areas.clusters =
             largest_clusters(object.clusters, tables.every_node ? object.clusters.size() : kAreaClusters);
     const std::vector<FaceRange> ranges = cluster_ranges(object, areas.clusters);
-    const SeenCounts counts = count_seen_areas(object, rays, node_directions(grid), ranges);
+    const SeenCounts counts = count_seen_areas(object, node_directions(grid), ranges);
     if (tables.visibility) store_visibility(counts, grid, areas);
-    if (tables.area) store_areas(object, rays, counts, grid, ranges, areas);
+    if (tables.area) store_areas(object, counts, grid, ranges, areas);
     return areas;
 }
 

@@ -6,7 +6,6 @@
 
 #include "compiler/table_choice.h"
 #include "format/object_data.h"
-#include "format/rays/object_rays.h"
 
 namespace rro {
 
@@ -35,7 +34,6 @@ struct EffectiveAreas {
 /// departs  the paper does not say what hides a cluster; both answers are stored. Design 3.4 counts, for the intrinsic
 ///          area, any face along the line; here the first hit decides, because a link that uses an intrinsic area
 ///          ignores the cluster's own triangles and their backs block too
-EffectiveAreas measure_effective_areas(const ObjectData& object, const ObjectRays& rays,
-                                      const TableChoice& tables);
+EffectiveAreas measure_effective_areas(const ObjectData& object, const TableChoice& tables);
 
 }  // namespace rro

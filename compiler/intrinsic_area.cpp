@@ -1,9 +1,10 @@
 #include "compiler/intrinsic_area.h"
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
-#include "compiler/direction_images.h"
+#include "compiler/line_images.h"
 #include "format/parallel.h"
 
 namespace rro {
@@ -47,7 +48,7 @@ AreaTree make_area_tree(const ObjectData& object, std::span<const std::uint32_t>
 
 /// One side of a triangle on a line of sight.
 struct LineHit {
-    double height;       // along the image's `toward`
+    double height;       // along the image's `toward`, in steps of same_height
     bool turned_toward;  // to the viewer that the image has, not to the opposite one
     std::uint32_t node;  // of the area tree
 };
@@ -58,7 +59,7 @@ class ViewerCounts {
     explicit ViewerCounts(std::size_t nodes) : seen(nodes), decided_(nodes) {}
 
     /// hits in any order; reorders them.
-    void add_line(std::vector<LineHit>& hits, bool opposite, const AreaTree& tree) {
+    void add_line(std::span<LineHit> hits, bool opposite, const AreaTree& tree) {
         ++line_;
         // At one height (both sides of a triangle) the side that faces the viewer comes first.
         std::sort(hits.begin(), hits.end(), [&](const LineHit& a, const LineHit& b) {
@@ -80,73 +81,54 @@ class ViewerCounts {
     std::uint32_t line_ = 0;
 };
 
-/// Everything one image needs; safe to share between threads.
-class LineTracer {
-  public:
-    LineTracer(const ObjectData& object, const ObjectRays& rays, const AreaTree& tree)
-        : object_(object), rays_(rays), tree_(tree), face_by_side_(faces_by_side(object)) {}
+/// All that lies on the lines of one image, line by line.
+struct LineHits {
+    std::vector<std::uint32_t> begin;  // [lines + 1]
+    std::vector<LineHit> hits;
 
-    void trace(const DirectionImage& image, ViewerCounts& toward, ViewerCounts* opposite) const {
-        if (image.empty()) return;
-        std::vector<std::uint32_t> triangles;
-        std::vector<LineHit> hits;
-        for (std::uint32_t row = 0; row < image.resolution; ++row)
-            for (std::uint32_t column = 0; column < image.resolution; ++column) {
-                rays_.all_hits(image.ray(column, row), triangles);
-                if (triangles.empty()) continue;
-                hits.clear();
-                for (const std::uint32_t t : triangles) add_sides(t, image, image.sample(column, row), hits);
-                toward.add_line(hits, false, tree_);
-                if (opposite) opposite->add_line(hits, true, tree_);
-            }
-    }
-
-    std::span<const std::uint32_t> face_by_side() const { return face_by_side_; }
-
-  private:
-    void add_sides(std::uint32_t triangle, const DirectionImage& image, const Vec3& sample,
-                   std::vector<LineHit>& hits) const {
-        const TriangleIndices& t = object_.triangles[triangle];
-        const Vec3 a = to_double(object_.positions[t[0]]);
-        const Vec3 normal = area_vector(a, to_double(object_.positions[t[1]]), to_double(object_.positions[t[2]]));
-        const double slope = dot(normal, image.toward);
-        if (slope == 0) return;
-        const double height = dot(a - sample, normal) / slope;
-        for (const Side side : {Side::Front, Side::Back}) {
-            const std::uint32_t face = face_by_side_[Face::make(triangle, side).packed];
-            if (face != kNoFace) hits.push_back({height, (slope > 0) == (side == Side::Front), tree_.of_face[face]});
-        }
-    }
-
-    const ObjectData& object_;
-    const ObjectRays& rays_;
-    const AreaTree& tree_;
-    std::vector<std::uint32_t> face_by_side_;
+    std::span<LineHit> line(std::size_t l) { return {hits.data() + begin[l], hits.data() + begin[l + 1]}; }
 };
 
-/// The direction opposite to each, or kNone. Grids of even size are symmetric.
-std::vector<std::uint32_t> opposite_directions(std::span<const Vec3> directions) {
-    constexpr double kSame = 1e-18;  // squared distance of unit vectors; grids compute theirs to 1e-15
-    std::vector<std::uint32_t> result(directions.size(), kNone);
-    for (std::uint32_t a = 0; a < directions.size(); ++a)
-        for (std::uint32_t b = 0; b < directions.size(); ++b)
-            if (length2(directions[a] + directions[b]) < kSame) result[a] = b;
-    return result;
+/// Both sides of a triangle hit; black sides are left out.
+LineHits collect_hits(const ObjectData& object, const DirectionImage& image, std::span<const std::uint32_t> face_by_side,
+                      const AreaTree& tree, LineCounts& covered) {
+    const std::size_t size = image.resolution;
+    struct Found {
+        std::uint32_t line;
+        LineHit hit;
+    };
+    std::vector<Found> found;
+    LineHits lines;
+    lines.begin.resize(size * size + 1);
+    for_each_run(object, image, [&](const TriangleRun& run) {
+        const RunFaces faces = faces_of(run, face_by_side);
+        add_covered(run, faces, covered);
+        for (std::uint32_t column = run.begin; column < run.end; ++column) {
+            const auto line = static_cast<std::uint32_t>(run.row * size + column);
+            const double height = std::round(run.height_at(column) / same_height(image));
+            if (faces.toward != kNoFace) found.push_back({line, {height, true, tree.of_face[faces.toward]}});
+            if (faces.opposite != kNoFace) found.push_back({line, {height, false, tree.of_face[faces.opposite]}});
+        }
+    });
+    for (const Found& f : found) ++lines.begin[f.line + 1];
+    for (std::size_t l = 0; l < size * size; ++l) lines.begin[l + 1] += lines.begin[l];
+    std::vector<std::uint32_t> next(lines.begin.begin(), lines.begin.end() - 1);
+    lines.hits.resize(found.size());
+    for (const Found& f : found) lines.hits[next[f.line]++] = f.hit;
+    return lines;
 }
 
 }  // namespace
 
-SampleCounts count_intrinsic(const ObjectData& object, const ObjectRays& rays, std::span<const Vec3> directions,
+SampleCounts count_intrinsic(const ObjectData& object, std::span<const Vec3> directions,
                              std::span<const std::uint32_t> clusters) {
     const AreaTree tree = make_area_tree(object, clusters);
-    const LineTracer tracer(object, rays, tree);
     // Half of the whole object's: the stored clusters are large, and every hit of a line costs.
     const std::uint32_t resolution = (object.meta.image_resolution + 1) / 2;
-    const std::vector<std::uint32_t> opposite_of = opposite_directions(directions);
+    const std::vector<std::uint32_t> opposite_of = opposite_directions(directions), face_by_side = faces_by_side(object);
     SampleCounts counts(clusters.size() * directions.size());
 
-    const auto store = [&](std::uint32_t direction, const ViewerCounts& viewer,
-                           std::span<const std::uint32_t> covered) {
+    const auto store = [&](std::size_t direction, const ViewerCounts& viewer, std::span<const std::uint32_t> covered) {
         std::vector<std::uint32_t> before(covered.size() + 1);
         for (std::size_t f = 0; f < covered.size(); ++f) before[f + 1] = before[f] + covered[f];
         for (std::size_t k = 0; k < clusters.size(); ++k) {
@@ -155,17 +137,20 @@ SampleCounts count_intrinsic(const ObjectData& object, const ObjectRays& rays, s
         }
     };
     parallel_for(directions.size(), 1, [&](std::size_t d) {
-        const auto direction = static_cast<std::uint32_t>(d);
         const std::uint32_t opposite = opposite_of[d];
-        if (opposite < direction) return;  // done with its partner, on the same lines
-        const bool both = opposite != kNone;
+        if (opposite < d) return;  // done with its partner, on the same lines
         const DirectionImage image = fit_image(object.positions, directions[d], resolution);
-        ViewerCounts front(clusters.size()), behind(clusters.size());
-        std::vector<std::uint32_t> covered_front(object.faces.size()), covered_behind(both ? object.faces.size() : 0);
-        tracer.trace(image, front, both ? &behind : nullptr);
-        count_covered(object, tracer.face_by_side(), image, covered_front, covered_behind);
-        store(direction, front, covered_front);
-        if (both) store(opposite, behind, covered_behind);
+        ViewerCounts toward(clusters.size()), behind(clusters.size());
+        LineCounts covered(object.faces.size());
+        if (!image.empty()) {
+            LineHits lines = collect_hits(object, image, face_by_side, tree, covered);
+            for (std::size_t l = 0; l + 1 < lines.begin.size(); ++l) {
+                toward.add_line(lines.line(l), false, tree);
+                if (opposite != kNoDirection) behind.add_line(lines.line(l), true, tree);
+            }
+        }
+        store(d, toward, covered.toward);
+        if (opposite != kNoDirection) store(opposite, behind, covered.opposite);
     });
     return counts;
 }

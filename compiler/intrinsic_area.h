@@ -6,7 +6,6 @@
 
 #include "compiler/visible_share.h"
 #include "format/object_data.h"
-#include "format/rays/object_rays.h"
 
 namespace rro {
 
@@ -19,7 +18,7 @@ namespace rro {
 /// clusters   [K] ascending; with a cluster all its ancestors
 /// returns    [K * D]
 /// source     design 3.4
-SampleCounts count_intrinsic(const ObjectData& object, const ObjectRays& rays, std::span<const Vec3> directions,
+SampleCounts count_intrinsic(const ObjectData& object, std::span<const Vec3> directions,
                              std::span<const std::uint32_t> clusters);
 
 }  // namespace rro

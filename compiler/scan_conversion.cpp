@@ -22,23 +22,6 @@ void for_each_word(std::uint32_t begin, std::uint32_t end, const Visit& visit) {
     }
 }
 
-/// Vertices in an image, with the first sample row at or above each.
-struct PlacedVertices {
-    std::vector<ImagePoint> at;
-    std::vector<std::int32_t> row;  // 0 to rows
-};
-
-PlacedVertices place(std::span<const Vec3f> positions, const ImageFrame& frame, std::uint32_t rows) {
-    PlacedVertices vertices;
-    vertices.at.reserve(positions.size());
-    vertices.row.reserve(positions.size());
-    for (const Vec3f& p : positions) {
-        const ImagePoint& at = vertices.at.emplace_back(frame.place(to_double(p)));
-        vertices.row.push_back(static_cast<std::int32_t>(std::clamp(first_row(at.y), 0.0, static_cast<double>(rows))));
-    }
-    return vertices;
-}
-
 /// Whether a triangle within these rows and between these x adds nothing: no sample, or samples that are covered.
 bool adds_nothing(const CoverageMask& mask, std::span<const double> shifts, std::int32_t begin_row,
                   std::int32_t end_row, double left, double right) {
@@ -52,8 +35,25 @@ bool adds_nothing(const CoverageMask& mask, std::span<const double> shifts, std:
     return true;
 }
 
-/// Triangles of which a corner lies on another side of some sample row than the others. Without a branch per triangle,
-/// because most triangles of a fine mesh fall between two rows, and which ones cannot be guessed.
+}  // namespace
+
+double sample_shift(std::uint32_t row) {
+    const double x = row * kGoldenShare;
+    return x - std::floor(x);
+}
+
+PlacedVertices place(std::span<const Vec3f> positions, const ImageFrame& frame, std::uint32_t rows) {
+    PlacedVertices vertices;
+    vertices.at.reserve(positions.size());
+    vertices.row.reserve(positions.size());
+    for (const Vec3f& p : positions) {
+        const ImagePoint& at = vertices.at.emplace_back(frame.place(to_double(p)));
+        vertices.row.push_back(static_cast<std::int32_t>(std::clamp(first_row(at.y), 0.0, static_cast<double>(rows))));
+    }
+    return vertices;
+}
+
+// Without a branch per triangle: most triangles of a fine mesh fall between two rows, and which ones cannot be guessed.
 std::vector<std::uint32_t> across_rows(std::span<const TriangleIndices> triangles, std::span<const std::int32_t> row) {
     std::vector<std::uint32_t> across(triangles.size() + 1);
     std::size_t count = 0;
@@ -64,13 +64,6 @@ std::vector<std::uint32_t> across_rows(std::span<const TriangleIndices> triangle
     }
     across.resize(count);
     return across;
-}
-
-}  // namespace
-
-double sample_shift(std::uint32_t row) {
-    const double x = row * kGoldenShare;
-    return x - std::floor(x);
 }
 
 void CoverageMask::cover(std::uint32_t row, std::uint32_t begin, std::uint32_t end) {
@@ -104,8 +97,10 @@ CoverageMask silhouette(std::span<const Vec3f> positions, std::span<const Triang
     for (const std::uint32_t t : across_rows(triangles, vertices.row)) {
         const auto& [a, b, c] = triangles[t];
         const std::array corners{vertices.at[a], vertices.at[b], vertices.at[c]};
-        const auto [left, right] = std::minmax({corners[0].x, corners[1].x, corners[2].x});
-        const auto [begin, end] = std::minmax({vertices.row[a], vertices.row[b], vertices.row[c]});
+        const double left = least(corners[0].x, corners[1].x, corners[2].x);
+        const double right = greatest(corners[0].x, corners[1].x, corners[2].x);
+        const std::int32_t begin = least(vertices.row[a], vertices.row[b], vertices.row[c]);
+        const std::int32_t end = greatest(vertices.row[a], vertices.row[b], vertices.row[c]);
         if (adds_nothing(mask, shifts, begin, end, left, right)) continue;
         for_each_span(corners, columns, rows,
                       [&](std::uint32_t row, std::uint32_t from, std::uint32_t to) { mask.cover(row, from, to); });

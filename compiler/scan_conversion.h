@@ -26,15 +26,29 @@ struct ImagePoint {
     double x, y;
 };
 
+/// Of three, without a branch, unlike std::minmax.
+template <class T>
+T least(T a, T b, T c) {
+    return std::min(std::min(a, b), c);
+}
+template <class T>
+T greatest(T a, T b, T c) {
+    return std::max(std::max(a, b), c);
+}
+
 /// The first sample row that does not lie below y.
 inline double first_row(double y) { return std::ceil(y - kSampleHeight); }
 
 /// Calls emit(row, begin, end) for each run of samples that lie in the triangle; rows ascend.
 template <class Emit>
 void for_each_span(const std::array<ImagePoint, 3>& t, std::uint32_t columns, std::uint32_t rows, const Emit& emit) {
-    const auto [low, high] = std::minmax({t[0].y, t[1].y, t[2].y});
+    const double low = least(t[0].y, t[1].y, t[2].y), high = greatest(t[0].y, t[1].y, t[2].y);
+    const double leftmost = least(t[0].x, t[1].x, t[2].x), rightmost = greatest(t[0].x, t[1].x, t[2].x);
     const double last = std::min(first_row(high), static_cast<double>(rows));
     for (double row = std::max(0.0, first_row(low)); row < last; ++row) {
+        const auto number = static_cast<std::uint32_t>(row);
+        const double shift = sample_shift(number);
+        if (std::ceil(leftmost - shift) >= std::ceil(rightmost - shift)) continue;  // spares small triangles the rest
         const double y = row + kSampleHeight;
         double left = std::numeric_limits<double>::infinity(), right = -left;
         for (std::size_t k = 0; k < 3; ++k) {
@@ -45,8 +59,6 @@ void for_each_span(const std::array<ImagePoint, 3>& t, std::uint32_t columns, st
             left = std::min(left, x);
             right = std::max(right, x);
         }
-        const auto number = static_cast<std::uint32_t>(row);
-        const double shift = sample_shift(number);
         const double begin = std::max(0.0, std::ceil(left - shift));
         const double end = std::min(static_cast<double>(columns), std::ceil(right - shift));
         if (end > begin) emit(number, static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(end));
@@ -64,6 +76,16 @@ struct ImageFrame {
         return {dot(from_corner, right) / pixel_width, dot(from_corner, up) / pixel_height};
     }
 };
+
+/// Vertices in an image, with the first sample row at or above each.
+struct PlacedVertices {
+    std::vector<ImagePoint> at;     // [V]
+    std::vector<std::int32_t> row;  // [V] 0 to rows
+};
+PlacedVertices place(std::span<const Vec3f> positions, const ImageFrame& frame, std::uint32_t rows);
+
+/// The triangles that lie across some sample row, ascending; others cover no sample.
+std::vector<std::uint32_t> across_rows(std::span<const TriangleIndices> triangles, std::span<const std::int32_t> row);
 
 /// Samples of an image, one bit each.
 class CoverageMask {

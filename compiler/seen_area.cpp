@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "compiler/direction_images.h"
+#include "compiler/line_images.h"
 #include "format/parallel.h"
 
 namespace rro {
@@ -42,23 +42,27 @@ std::vector<FaceRange> cluster_ranges(const ObjectData& object, std::span<const 
     return ranges;
 }
 
-SeenCounts count_seen_areas(const ObjectData& object, const ObjectRays& rays, std::span<const Vec3> directions,
+SeenCounts count_seen_areas(const ObjectData& object, std::span<const Vec3> directions,
                             std::span<const FaceRange> clusters) {
     const std::size_t count = directions.size();
     const std::vector<FaceRange> patches = patch_ranges(object);
-    const std::vector<std::uint32_t> face_by_side = faces_by_side(object);
+    const std::vector<std::uint32_t> face_by_side = faces_by_side(object), opposite_of = opposite_directions(directions);
     SeenCounts counts{SampleCounts(patches.size() * count), SampleCounts(clusters.size() * count), SampleCounts(count)};
-    parallel_for(count, 1, [&](std::size_t d) {
-        const DirectionImage image = fit_image(object.positions, directions[d], object.meta.image_resolution);
-        std::vector<std::uint32_t> seen(object.faces.size()), covered(object.faces.size());
-        count_seen(object, face_by_side, rays, image, seen);
-        count_covered(object, face_by_side, image, covered, {});
+    const auto store = [&](std::size_t d, std::span<const std::uint32_t> seen, std::span<const std::uint32_t> covered) {
         add_ranges(seen, patches, count, d, counts.patches.seen);
         add_ranges(covered, patches, count, d, counts.patches.covered);
         add_ranges(seen, clusters, count, d, counts.clusters.seen);
         add_ranges(covered, clusters, count, d, counts.clusters.covered);
         counts.whole.seen[d] = std::accumulate(seen.begin(), seen.end(), 0u);
         counts.whole.covered[d] = std::accumulate(covered.begin(), covered.end(), 0u);
+    };
+    parallel_for(count, 1, [&](std::size_t d) {
+        const std::uint32_t opposite = opposite_of[d];
+        if (opposite < d) return;  // done with its partner, on the same lines
+        const DirectionImage image = fit_image(object.positions, directions[d], object.meta.image_resolution);
+        const auto [seen, covered] = count_samples(object, face_by_side, image);
+        store(d, seen.toward, covered.toward);
+        if (opposite != kNoDirection) store(opposite, seen.opposite, covered.opposite);
     });
     return counts;
 }

@@ -7,7 +7,6 @@
 
 #include "compiler/visible_share.h"
 #include "format/object_data.h"
-#include "format/rays/object_rays.h"
 
 namespace rro {
 
@@ -23,11 +22,11 @@ struct SeenCounts {
     SampleCounts patches, clusters, whole;  // [P * D], [K * D], [D]
 };
 
-/// From one image of meta.image_resolution^2 samples per direction.
+/// From one image of meta.image_resolution^2 samples per direction, or per two opposite ones.
 ///
 /// directions   [D] unit, from the object to its viewer
 /// clusters     [K] their faces
-SeenCounts count_seen_areas(const ObjectData& object, const ObjectRays& rays, std::span<const Vec3> directions,
+SeenCounts count_seen_areas(const ObjectData& object, std::span<const Vec3> directions,
                             std::span<const FaceRange> clusters);
 
 /// Sum of A max(0, n . w) over the faces of each range. [ranges * D], m^2

@@ -93,12 +93,12 @@ std::vector<float> visibility_errors(const ObjectData& object, const DirectionGr
 
 }  // namespace
 
-TableErrors measure_table_errors(const ObjectData& object, const ObjectRays& rays) {
+TableErrors measure_table_errors(const ObjectData& object) {
     const DirectionGrid grid(object.meta.grid_map, object.meta.grid_size);
     const std::vector<Vec3> directions = directions_between_nodes();
     const std::vector<FaceRange> clusters = cluster_ranges(object, object.area_clusters);
     const std::vector<double> cosine = cosine_sums(object, directions, clusters);
-    const SeenCounts counts = count_seen_areas(object, rays, directions, clusters);
+    const SeenCounts counts = count_seen_areas(object, directions, clusters);
 
     TableErrors errors;
     errors.directions = static_cast<std::uint32_t>(directions.size());
@@ -108,7 +108,7 @@ TableErrors measure_table_errors(const ObjectData& object, const ObjectRays& ray
     errors.intrinsic = object.meta.convex
                            ? errors.whole
                            : area_errors(grid, directions, object.intrinsic_area, object.intrinsic_area_scale, cosine,
-                                         count_intrinsic(object, rays, directions, object.area_clusters));
+                                         count_intrinsic(object, directions, object.area_clusters));
     return errors;
 }
 

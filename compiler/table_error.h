@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "format/object_data.h"
-#include "format/rays/object_rays.h"
 
 namespace rro {
 
@@ -21,6 +20,6 @@ struct TableErrors {
 ///
 /// object   with its tables filled in
 /// source   design 3.7
-TableErrors measure_table_errors(const ObjectData& object, const ObjectRays& rays);
+TableErrors measure_table_errors(const ObjectData& object);
 
 }  // namespace rro
