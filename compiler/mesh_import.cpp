@@ -329,6 +329,7 @@ Result<ImportedMesh> import_mesh(const std::filesystem::path& path, const Import
     Mesh& mesh = imported.mesh;
     ImportReport& report = imported.report;
     report.warnings = std::move(source.warnings);
+    report.textures_not_read = source.textures_not_read;
     auto finite = finite_triangles(source, path, options.limits, report);
     if (!finite) return finite.error();
     std::vector<KeptTriangle> triangles = *std::move(finite);

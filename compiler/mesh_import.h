@@ -41,6 +41,7 @@ struct ImportReport {
     std::uint32_t polygons_triangulated = 0;   // faces of more than three corners
     std::uint32_t polygons_ear_clipped = 0;    // of those, not convex and planar
     std::uint32_t reflectance_clamped = 0;     // materials whose reflectance was above 0.95
+    std::uint32_t textures_not_read = 0;       // counted once per name or use; a colour stands for each
     std::uint32_t components = 0, closed_components = 0;
     std::uint32_t one_sided_triangles = 0, two_sided_triangles = 0;
     std::uint32_t winding_fixed = 0;           // triangles turned by --fix-winding

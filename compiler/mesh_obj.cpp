@@ -261,10 +261,9 @@ std::optional<std::uint32_t> ObjReader::texture_of(const std::string& name) {
     std::error_code ignored;
     if (!std::filesystem::exists(file, ignored)) file = library_folder_ / std::filesystem::path(portable).filename();
     const auto bytes = files_.read(file);
-    auto texture = bytes ? decode_texture(*bytes, pixels_left(mesh_, files_.limits())) : std::nullopt;
+    auto texture = bytes ? decode_texture(*bytes, pixels_left(mesh_, files_.limits())) : bytes.error();
     if (!texture) {
-        mesh_.warnings.push_back("texture " + in_quotes(name) + (bytes ? " cannot be decoded, or is too large" : " cannot be read") +
-                                 ": Kd alone counts");
+        leave_out_texture(mesh_, "texture " + in_quotes(name), texture.error(), "Kd");
         return std::nullopt;
     }
     at->second = static_cast<std::uint32_t>(mesh_.textures.size());
