@@ -11,6 +11,7 @@
 
 #include "compiler/archive_facts.h"
 #include "compiler/cluster_tree.h"
+#include "compiler/import_process.h"
 #include "format/archive_reader.h"
 #include "format/archive_writer.h"
 #include "format/layout.h"
@@ -175,10 +176,9 @@ void count_contents(const ObjectData& data, BuildOutcome& outcome) {
 /// The steps of build_target; the outcome's error and seconds are the caller's.
 Status build_into(BuildOutcome& outcome, const BuildPlan& plan, const CompileProgress& progress) {
     const BuildTarget& target = outcome.target;
-    auto imported = import_mesh(target.mesh, plan.import);
+    auto imported = import_mesh_contained(target.mesh, plan.import, plan.two_sided, plan.fix_winding);
     if (!imported) return imported.error();
     outcome.inputs = imported->files;
-    decide_sides(imported->mesh, plan.two_sided, plan.fix_winding, imported->report);
     outcome.import = imported->report;
     outcome.warnings = imported->report.warnings;
     std::error_code code;
