@@ -37,6 +37,12 @@ std::string_view trimmed(std::string_view text) {
     return text;
 }
 
+std::string_view without_mark(std::string_view text) {
+    constexpr std::string_view mark = "\xef\xbb\xbf";
+    if (text.starts_with(mark)) text.remove_prefix(mark.size());
+    return text;
+}
+
 std::optional<std::size_t> find_long_line(std::string_view text) {
     constexpr std::size_t longest = std::size_t{1} << 24;
     LineReader lines(text);
