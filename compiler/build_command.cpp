@@ -160,7 +160,7 @@ void warn_of_import(BuildOutcome& outcome, const BuildPlan& plan, std::uint32_t 
     warn(r.dropped_not_finite, "dropped: a corner is not a finite number");
     warn(r.dropped_degenerate, "dropped: no area");
     warn(dropped_by_rounding, "dropped: no area in single precision");
-    warn(r.duplicate_triangles, "at the very place of others: light counts there twice");
+    warn(r.duplicate_triangles, "lie exactly on others");
     if (r.ignored_faces > 0)
         outcome.warnings.push_back(std::to_string(r.ignored_faces) + " faces ignored: fewer than three corners");
     if (r.reflectance_clamped > 0)

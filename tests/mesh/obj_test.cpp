@@ -27,7 +27,7 @@ TEST_CASE("numbers follow the file's faces, and dropped triangles keep theirs", 
     CHECK(corners(mesh, 1) == TriangleCorners{Vec3{0, 0, 0}, Vec3{1, 1, 0}, Vec3{0, 1, 0}});
     CHECK(report.ignored_faces == 1);
     CHECK(report.welded_vertices == 0);
-    CHECK(report.duplicate_triangles == 1);  // the last one lies on the second half of the square
+    CHECK(report.duplicate_triangles == 1);  // number 4 is number 0 again
 }
 
 TEST_CASE("faces stay in the order of the file across groups and materials", "[mesh][obj]") {
