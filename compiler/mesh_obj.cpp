@@ -270,7 +270,9 @@ std::optional<std::uint32_t> ObjReader::texture_of(const std::string& name) {
     const auto bytes = files_.read(file);
     auto texture = bytes ? decode_texture(*bytes, pixels_left(mesh_, files_.limits())) : bytes.error();
     if (!texture) {
-        leave_out_texture(mesh_, "texture " + in_quotes(name), texture.error(), "Kd");
+        // The end of a long path tells more than its beginning.
+        const std::string shown = name.size() > 40 ? std::filesystem::path(portable).filename().string() : name;
+        leave_out_texture(mesh_, "texture " + in_quotes(shown), texture.error(), "Kd");
         return std::nullopt;
     }
     at->second = static_cast<std::uint32_t>(mesh_.textures.size());
@@ -345,8 +347,8 @@ Status ObjReader::resolve_uvs() {
 /// What makes no surface here, though its author may think so. (The library passes over it without a word.)
 void ObjReader::warn_of_ignored() {
     static constexpr std::array<std::string_view, 18> understood{
-        "v", "vn", "vt", "f", "g", "o", "s", "mg", "usemtl", "mtllib", "usemap", "maplib", "lod", "bevel", "c_interp",
-        "d_interp", "shadow_obj", "trace_obj"};
+        "f",      "v",     "vn",       "vt",       "usemtl",     "g",        "s",  "o",  "mtllib",
+        "usemap", "maplib", "c_interp", "d_interp", "shadow_obj", "trace_obj", "lod", "mg", "bevel"};
     LineReader lines(joined_);
     std::string_view line;
     std::size_t drawn = 0, others = 0, first_line = 0;
@@ -354,8 +356,8 @@ void ObjReader::warn_of_ignored() {
     while (lines.next(line)) {
         line = trimmed(line);
         const std::string_view word = line.substr(0, line.find_first_of(" \t"));
-        if (word.empty() || word.starts_with('#') || std::find(understood.begin(), understood.end(), word) != understood.end())
-            continue;
+        if (word.empty() || word.starts_with('#')) continue;
+        if (std::find(understood.begin(), understood.end(), word) != understood.end()) continue;
         if (word == "p" || word == "l") {
             ++drawn;
         } else if (others++ == 0) {
