@@ -1,6 +1,6 @@
 #include "compiler/import_process.h"
 
-#include <sys/mman.h>
+#include <fcntl.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -14,6 +14,7 @@
 #include <cstring>
 #include <new>
 #include <string_view>
+#include <vector>
 
 #include "compiler/import_transfer.h"
 #include "format/sha256.h"
@@ -32,21 +33,32 @@ constexpr bool limits_memory = true;
 /// Exit codes of the child.
 enum Ending { kDone = 0, kOutOfMemory = 1, kThrew = 2, kNotWritten = 3 };
 
-/// A file in memory that both processes have; the child writes its answer there.
-class SharedFile {
+/// What the child writes its answer to: no file, whose size users may limit (ulimit -f).
+class Pipe {
   public:
-    SharedFile() : descriptor_(memfd_create("rro-import", MFD_CLOEXEC)) {}
-    ~SharedFile() {
-        if (descriptor_ >= 0) close(descriptor_);
+    Pipe() {
+        if (pipe2(ends_, O_CLOEXEC) == 0) fcntl(ends_[1], F_SETPIPE_SZ, 1 << 20);  // fewer changes of process
     }
-    SharedFile(const SharedFile&) = delete;
-    SharedFile& operator=(const SharedFile&) = delete;
+    ~Pipe() {
+        close_end(0);
+        close_end(1);
+    }
+    Pipe(const Pipe&) = delete;
+    Pipe& operator=(const Pipe&) = delete;
 
-    bool is_open() const { return descriptor_ >= 0; }
+    bool is_open() const { return ends_[0] >= 0; }
+
+    /// In the child: closes all that it has of its parent but this and the standard streams. Among it may be the pipes
+    /// of other threads' children, which would seem open to their readers for as long as this process lives.
+    void keep_nothing_else() const {
+        const auto own = static_cast<unsigned>(ends_[1]);
+        close_range(own + 1, ~0u, 0);
+        if (own > 3) close_range(3, own - 1, 0);
+    }
 
     bool write_all(std::string_view bytes) const {
         while (!bytes.empty()) {
-            const ssize_t written = write(descriptor_, bytes.data(), bytes.size());
+            const ssize_t written = write(ends_[1], bytes.data(), bytes.size());
             if (written < 0 && errno == EINTR) continue;
             if (written <= 0) return false;
             bytes.remove_prefix(static_cast<std::size_t>(written));
@@ -54,20 +66,26 @@ class SharedFile {
         return true;
     }
 
-    std::string content() const {
-        const off_t size = lseek(descriptor_, 0, SEEK_END);
-        std::string bytes(size > 0 ? static_cast<std::size_t>(size) : 0, '\0');
-        for (std::size_t at = 0; at < bytes.size();) {
-            const ssize_t got = pread(descriptor_, bytes.data() + at, bytes.size() - at, static_cast<off_t>(at));
+    /// In the parent: everything that is written until the child ends.
+    std::string read_all() {
+        close_end(1);
+        std::string bytes;
+        std::vector<char> chunk(1 << 20);
+        for (;;) {
+            const ssize_t got = read(ends_[0], chunk.data(), chunk.size());
             if (got < 0 && errno == EINTR) continue;
-            if (got <= 0) return {};
-            at += static_cast<std::size_t>(got);
+            if (got <= 0) return bytes;
+            bytes.append(chunk.data(), static_cast<std::size_t>(got));
         }
-        return bytes;
     }
 
   private:
-    int descriptor_;
+    void close_end(std::size_t end) {
+        if (ends_[end] >= 0) close(ends_[end]);
+        ends_[end] = -1;
+    }
+
+    int ends_[2] = {-1, -1};
 };
 
 /// Lowers a limit of this process; never raises one.
@@ -104,7 +122,7 @@ void confine(const ContainmentLimits& limits, pid_t parent) {
 }
 
 /// The child's whole life. No destructors and no exit handlers run: what they would tidy up is the parent's.
-[[noreturn]] void work_and_end(const std::function<std::string()>& work, const SharedFile& answer) {
+[[noreturn]] void work_and_end(const std::function<std::string()>& work, const Pipe& answer) {
     try {
         _exit(answer.write_all(work()) ? kDone : kNotWritten);
     } catch (const std::bad_alloc&) {
@@ -140,29 +158,31 @@ Error out_of_memory(const std::string& where, const ContainmentLimits& limits) {
 
 Result<std::string> run_contained(const std::string& where, const std::function<std::string()>& work,
                                   const ContainmentLimits& limits) {
-    const SharedFile answer;
+    Pipe answer;
     const pid_t parent = getpid();
     const pid_t child = answer.is_open() ? fork() : -1;
     if (child < 0)
         return failed(where, std::string("no process can be started to read it: ") + std::strerror(errno),
                       "close other programs, or raise the limits (ulimit -u, ulimit -n)");
     if (child == 0) {
+        answer.keep_nothing_else();
         confine(limits, parent);
         work_and_end(work, answer);
     }
+    std::string content = answer.read_all();
     int status = 0;
     while (waitpid(child, &status, 0) < 0)
         if (errno != EINTR) return failed(where, std::string("the reader is lost: ") + std::strerror(errno));
     if (WIFSIGNALED(status)) return stopped(where, WTERMSIG(status), limits);
     switch (WEXITSTATUS(status)) {
         case kDone:
-            return answer.content();
+            return content;
         case kOutOfMemory:
             return out_of_memory(where, limits);
         case kThrew:
-            return Error{ErrorKind::Internal, where, "internal error: " + answer.content(), "please report this"};
+            return Error{ErrorKind::Internal, where, "internal error: " + content, "please report this"};
         default:
-            return failed(where, "the reader could not hand over what it read", "free some memory");
+            return failed(where, "the reader could not hand over what it read", "try again");
     }
 }
 
