@@ -2,7 +2,7 @@
 # tests/run.sh and tests/fuzz/run.sh.
 
 RRO_PACKAGES=(cmake ninja-build g++ libembree-dev libopenmesh-dev catch2 nlohmann-json3-dev libcli11-dev libvalijson-dev
-              libtinygltf-dev libtinyobjloader-dev libtbb-dev libopenexr-dev libpng-dev zlib1g-dev libssl-dev libstb-dev
+              libtinygltf-dev libtinyobjloader-dev libtbb-dev libopenexr-dev libpng-dev libjpeg62-turbo-dev zlib1g-dev libssl-dev
               flatbuffers-compiler python3)
 
 # Besides, for tests/fuzz/run.sh alone.

@@ -11,6 +11,7 @@
 
 #include "compiler/archive_facts.h"
 #include "compiler/cluster_tree.h"
+#include "compiler/import_process.h"
 #include "format/archive_reader.h"
 #include "format/archive_writer.h"
 #include "format/layout.h"
@@ -150,18 +151,29 @@ bool is_current(const BuildTarget& target, const ImportedMesh& imported, const B
            meta.source_name == target.mesh.filename().string();
 }
 
-void warn_of_dropped(BuildOutcome& outcome, std::uint32_t dropped_by_rounding) {
+void warn_of_import(BuildOutcome& outcome, const BuildPlan& plan, std::uint32_t dropped_by_rounding) {
     const auto warn = [&](std::uint32_t count, const std::string& what) {
         if (count > 0)
             outcome.warnings.push_back(std::to_string(count) + (count == 1 ? " triangle " : " triangles ") + what);
     };
+    constexpr double unlikely_small = 1e-3, unlikely_large = 1e3;  // metres: more likely another unit
     const ImportReport& r = outcome.import;
     warn(r.dropped_not_finite, "dropped: a corner is not a finite number");
     warn(r.dropped_degenerate, "dropped: no area");
     warn(dropped_by_rounding, "dropped: no area in single precision");
+    warn(r.duplicate_triangles, "lie exactly on others");
+    if (r.ignored_faces > 0)
+        outcome.warnings.push_back(std::to_string(r.ignored_faces) + " faces ignored: fewer than three corners");
     if (r.reflectance_clamped > 0)
         outcome.warnings.push_back(std::to_string(r.reflectance_clamped) +
                                    " materials reflected more than 0.95, now 0.95");
+    if (r.reflectance_assumed > 0 && !plan.import.reflectance)
+        outcome.warnings.push_back(std::to_string(r.reflectance_assumed) +
+                                   (r.reflectance_assumed == 1 ? " material" : " materials") +
+                                   " without a colour: reflectance 0.5 assumed (--reflectance, or the manifest)");
+    const double size = max_component(r.extent);
+    if (size < unlikely_small || size > unlikely_large)
+        outcome.warnings.push_back("the object extends over " + shortest(size) + " m: check --unit");
 }
 
 void count_contents(const ObjectData& data, BuildOutcome& outcome) {
@@ -176,17 +188,16 @@ void count_contents(const ObjectData& data, BuildOutcome& outcome) {
 /// The steps of build_target; the outcome's error and seconds are the caller's.
 Status build_into(BuildOutcome& outcome, const BuildPlan& plan, const CompileProgress& progress) {
     const BuildTarget& target = outcome.target;
-    auto imported = import_mesh(target.mesh, plan.import);
+    auto imported = import_mesh_contained(target.mesh, plan.import, plan.two_sided, plan.fix_winding);
     if (!imported) return imported.error();
     outcome.inputs = imported->files;
-    decide_sides(imported->mesh, plan.two_sided, plan.fix_winding, imported->report);
     outcome.import = imported->report;
     outcome.warnings = imported->report.warnings;
     std::error_code code;
     if (plan.if_changed && is_current(target, *imported, plan)) {
         const auto archive = Archive::open(target.archive);
         if (!archive) return archive.error();
-        warn_of_dropped(outcome, 0);
+        warn_of_import(outcome, plan, 0);
         count_contents(archive->data(), outcome);
         outcome.unchanged = true;
         outcome.bytes = archive->file_bytes();
@@ -198,7 +209,7 @@ Status build_into(BuildOutcome& outcome, const BuildPlan& plan, const CompilePro
         error.where = target.mesh.string();
         return error;
     }
-    warn_of_dropped(outcome, object->dropped_by_rounding);
+    warn_of_import(outcome, plan, object->dropped_by_rounding);
     object->data.meta.source_name = target.mesh.filename().string();
     object->data.meta.source_sha256 = imported->sha256;
     object->data.meta.options = plan.options;
@@ -233,14 +244,22 @@ nlohmann::ordered_json report_of(const BuildOutcome& o) {
     entry["import"] = {{"source_triangles", r.source_triangles},
                        {"dropped_not_finite", r.dropped_not_finite},
                        {"dropped_degenerate", r.dropped_degenerate},
+                       {"ignored_faces", r.ignored_faces},
+                       {"duplicate_triangles", r.duplicate_triangles},
+                       {"welded_vertices", r.welded_vertices},
                        {"polygons_triangulated", r.polygons_triangulated},
                        {"polygons_ear_clipped", r.polygons_ear_clipped},
                        {"reflectance_clamped", r.reflectance_clamped},
+                       {"reflectance_assumed", r.reflectance_assumed},
+                       {"textures_not_read", r.textures_not_read},
                        {"components", r.components},
                        {"closed_components", r.closed_components},
+                       {"open_edges", r.open_edges},
+                       {"non_manifold_edges", r.non_manifold_edges},
                        {"one_sided_triangles", r.one_sided_triangles},
                        {"two_sided_triangles", r.two_sided_triangles},
-                       {"winding_fixed", r.winding_fixed}};
+                       {"winding_fixed", r.winding_fixed},
+                       {"extent", {r.extent.x, r.extent.y, r.extent.z}}};
     entry["object"] = {{"triangles", o.triangles}, {"faces", o.faces},        {"patches", o.patches},
                        {"clusters", o.clusters},   {"volumes", o.volumes},    {"area", o.meta.area},
                        {"closed", o.meta.closed},  {"convex", o.meta.convex}, {"bytes", o.bytes}};

@@ -15,10 +15,15 @@
 namespace rro {
 namespace {
 
-/// Extensions that change nothing we read, or that are read.
+/// Extensions that are read.
+bool is_read_extension(const std::string& name) {
+    return name == "KHR_materials_emissive_strength" || name == "KHR_texture_transform" ||
+           name == "KHR_mesh_quantization";
+}
+
+/// Extensions without which a mesh still has its shape.
 bool is_known_extension(const std::string& name) {
-    return name.starts_with("KHR_materials_") || name == "KHR_texture_transform" || name == "KHR_mesh_quantization" ||
-           name == "KHR_lights_punctual";
+    return name.starts_with("KHR_materials_") || name == "KHR_lights_punctual" || is_read_extension(name);
 }
 
 /// How tinygltf reaches files: only those beside the mesh (it would look in the working folder, too), noted as used.
@@ -209,9 +214,12 @@ Status GltfReader::parse(std::string_view bytes) {
             return bad_input(path_.string(), "requires the extension " + in_quotes(name) + ", which is not supported",
                              "export it without compression");
     for (const std::string& name : model_.extensionsUsed) {
-        if (!is_known_extension(name)) warn_once("the extension " + in_quotes(name) + " is ignored");
-        if (name == "KHR_lights_punctual") warn_once("lights are ignored: a scene has its own");
+        if (name == "KHR_lights_punctual")
+            warn_once("lights are ignored: a scene has its own");
+        else if (!is_read_extension(name))
+            warn_once("the extension " + in_quotes(name) + " is ignored");
     }
+    if (!model_.animations.empty()) warn_once("animations are ignored: everything stands as its nodes say");
     return Done{};
 }
 

@@ -79,8 +79,8 @@ Status GltfMaterials::add_texture(const tinygltf::TextureInfo& info, SourceMater
     const tinygltf::Texture& texture = model_.textures[static_cast<std::size_t>(info.index)];
     const auto image = decoded(texture.source);
     if (!image) {
-        mesh_.warnings.push_back("material " + in_quotes(out.name) +
-                                 ": the texture cannot be read, or is too large: the colour factor alone counts");
+        leave_out_texture(mesh_, "material " + in_quotes(out.name) + ": the texture", image.error(),
+                          "the colour factor");
         return Done{};
     }
     TextureUse use;
@@ -109,20 +109,30 @@ Status GltfMaterials::add_texture(const tinygltf::TextureInfo& info, SourceMater
     return Done{};
 }
 
-std::optional<std::uint32_t> GltfMaterials::decoded(int image) {
-    const auto [at, is_new] = texture_index_.try_emplace(image, std::nullopt);
-    if (!is_new || image < 0 || static_cast<std::size_t>(image) >= model_.images.size()) return at->second;
-    const tinygltf::Image& source = model_.images[static_cast<std::size_t>(image)];
+Result<std::uint32_t> GltfMaterials::decoded(int number) {
+    const auto known = texture_index_.find(number);
+    if (known != texture_index_.end()) return known->second;
+    auto texture = image(number);
+    Result<std::uint32_t> index = static_cast<std::uint32_t>(mesh_.textures.size());
+    if (texture) mesh_.textures.push_back(*std::move(texture));
+    if (!texture) index = texture.error();
+    texture_index_.emplace(number, index);
+    return index;
+}
+
+Result<Texture> GltfMaterials::image(int number) const {
+    if (number < 0 || static_cast<std::size_t>(number) >= model_.images.size())
+        return bad_input(path_.string(), "it names no image");
+    const tinygltf::Image& source = model_.images[static_cast<std::size_t>(number)];
     GltfBytes bytes{source.image.data(), source.image.size()};
     if (source.bufferView >= 0) {
         const auto view = gltf_view_bytes(model_, source.bufferView, path_.string());
-        bytes = view ? *view : GltfBytes{};
+        if (!view) return view.error();
+        bytes = *view;
+    } else if (bytes.size == 0) {
+        return bad_input(path_.string(), "the file " + in_quotes(source.uri) + " cannot be read");
     }
-    auto texture = decode_texture({reinterpret_cast<const char*>(bytes.data), bytes.size}, pixels_left(mesh_, limits_));
-    if (!texture) return std::nullopt;
-    at->second = static_cast<std::uint32_t>(mesh_.textures.size());
-    mesh_.textures.push_back(std::move(*texture));
-    return at->second;
+    return decode_texture({reinterpret_cast<const char*>(bytes.data), bytes.size}, pixels_left(mesh_, limits_));
 }
 
 }  // namespace rro

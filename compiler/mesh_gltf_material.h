@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -37,7 +36,8 @@ class GltfMaterials {
     std::string place(const std::string& pointer) const { return path_.string() + ": " + pointer; }
     Status describe(const tinygltf::Material& source, SourceMaterial& out, int& uv_set, const std::string& where);
     Status add_texture(const tinygltf::TextureInfo& info, SourceMaterial& out, int& uv_set);
-    std::optional<std::uint32_t> decoded(int image);
+    Result<std::uint32_t> decoded(int number);
+    Result<Texture> image(int number) const;
 
     const tinygltf::Model& model_;
     const std::filesystem::path& path_;
@@ -45,7 +45,7 @@ class GltfMaterials {
     SourceMesh& mesh_;
     std::map<int, std::uint32_t> index_;                         // glTF material -> ours
     std::vector<int> uv_set_;                                    // [materials of ours]
-    std::map<int, std::optional<std::uint32_t>> texture_index_;  // glTF image -> ours
+    std::map<int, Result<std::uint32_t>> texture_index_;  // glTF image -> ours, or why there is none
 };
 
 }  // namespace rro

@@ -31,6 +31,27 @@ constexpr double largest_distance = 1e11;
 /// Files that one mesh may consist of: far more than any has, and few enough to look one up among them.
 constexpr std::uint64_t most_reads = 4096;
 
+/// The format that the content begins like, as its ending; "" for OBJ and whatever else has no beginning of its own.
+std::string_view ending_of_content(std::string_view bytes) {
+    const std::size_t start = std::min(bytes.find_first_not_of(" \t\r\n"), bytes.size());
+    const std::string_view text = bytes.substr(start);
+    if (bytes.starts_with("glTF")) return ".glb";
+    if (text.starts_with("{")) return ".gltf";
+    if (bytes.starts_with("ply\n") || bytes.starts_with("ply\r")) return ".ply";
+    if (text.starts_with("solid")) return ".stl";
+    if (text.starts_with("OFF")) return ".off";
+    return "";
+}
+
+Result<SourceMesh> read_format(const std::filesystem::path& path, std::string_view ending, std::string_view bytes,
+                               SourceFiles& files) {
+    if (ending == ".obj") return read_obj(path, bytes, files);
+    if (ending == ".ply") return read_ply(path, bytes, files.limits());
+    if (ending == ".stl") return read_stl(path, bytes, files.limits());
+    if (ending == ".off") return read_off(path, bytes, files.limits());
+    return read_gltf(path, bytes, files);
+}
+
 Result<SourceMesh> read_source(const std::filesystem::path& path, SourceFiles& files) {
     std::string ending = path.extension().string();
     for (char& c : ending)
@@ -44,13 +65,15 @@ Result<SourceMesh> read_source(const std::filesystem::path& path, SourceFiles& f
     if (!content) return content.error();
     std::string_view bytes = *content;
     if (bytes.empty()) return bad_input(path.string(), "the file is empty");
-    constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";
-    if (bytes.starts_with(byte_order_mark)) bytes.remove_prefix(byte_order_mark.size());
-    if (ending == ".obj") return read_obj(path, bytes, files);
-    if (ending == ".ply") return read_ply(path, bytes, files.limits());
-    if (ending == ".stl") return read_stl(path, bytes, files.limits());
-    if (ending == ".off") return read_off(path, bytes, files.limits());
-    return read_gltf(path, bytes, files);
+    bytes = without_mark(bytes);
+    auto source = read_format(path, ending, bytes, files);
+    const std::string_view likely = ending_of_content(bytes);
+    const bool is_gltf = ending.starts_with(".gl") && likely.starts_with(".gl");
+    const bool is_other = !likely.empty() && likely != ending && !is_gltf;
+    const std::string hint = "the content begins like that of a " + std::string(likely) + " file: rename it";
+    if (is_other && !source) return bad_input(source.error().where, source.error().message, hint);
+    if (is_other && source->face_end.empty()) return bad_input(path.string(), "the file has no faces", hint);
+    return source;
 }
 
 std::string place_of_face(const SourceMesh& source, std::size_t face, const std::filesystem::path& path) {
@@ -89,11 +112,10 @@ Result<std::vector<KeptTriangle>> finite_triangles(const SourceMesh& source, con
     std::uint64_t steps = limits.polygon_steps;
     std::vector<KeptTriangle> kept;
     std::vector<Vec3> polygon;
-    std::size_t short_faces = 0;
     std::uint32_t first = 0;
     for (std::uint32_t face = 0; face < source.face_end.size(); first = source.face_end[face++]) {
         const std::uint32_t k = source.face_end[face] - first;
-        short_faces += k < 3 ? 1 : 0;
+        report.ignored_faces += k < 3 ? 1 : 0;
         if (k < 3) continue;
         polygon.clear();
         for (std::uint32_t i = 0; i < k; ++i) polygon.push_back(source.positions[source.corners[first + i]]);
@@ -113,8 +135,6 @@ Result<std::vector<KeptTriangle>> finite_triangles(const SourceMesh& source, con
                 ++report.dropped_not_finite;
         }
     }
-    if (short_faces > 0)
-        report.warnings.push_back(std::to_string(short_faces) + " faces with fewer than three corners are ignored");
     return kept;
 }
 
@@ -126,6 +146,12 @@ TriangleCorners corners_of(const SourceMesh& source, const KeptTriangle& triangl
 bool has_area(const TriangleCorners& t) {
     const double longest = std::max({length2(t[1] - t[0]), length2(t[2] - t[1]), length2(t[0] - t[2])});
     return length(area_vector(t)) > no_area * longest;
+}
+
+Vec3 extent_of(const std::vector<Vec3>& positions) {
+    Box3 box;
+    for (const Vec3& p : positions) box.add(p);
+    return box.extent();
 }
 
 Status check_extent(const SourceMesh& source, const std::vector<KeptTriangle>& triangles,
@@ -154,6 +180,14 @@ Status check_extent(const SourceMesh& source, const std::vector<KeptTriangle>& t
     return Done{};
 }
 
+/// Triangles with the corners of an earlier one, in whatever order.
+std::uint32_t count_duplicates(std::vector<TriangleIndices> triangles) {
+    for (TriangleIndices& corners : triangles) std::sort(corners.begin(), corners.end());
+    std::sort(triangles.begin(), triangles.end());
+    const auto distinct = std::unique(triangles.begin(), triangles.end()) - triangles.begin();
+    return static_cast<std::uint32_t>(triangles.size() - static_cast<std::size_t>(distinct));
+}
+
 /// Takes those without an area out and returns them.
 std::vector<KeptTriangle> drop_degenerate(const SourceMesh& source, std::vector<KeptTriangle>& triangles,
                                           ImportReport& report) {
@@ -170,14 +204,18 @@ std::vector<KeptTriangle> drop_degenerate(const SourceMesh& source, std::vector<
 /// Positions in use, equal ones as one, in order of first use; triangles over them; and slits, those of the dropped
 /// ones that have three corners in use.
 void fill_triangles(const SourceMesh& source, const std::vector<KeptTriangle>& triangles,
-                    const std::vector<KeptTriangle>& dropped, Mesh& mesh) {
+                    const std::vector<KeptTriangle>& dropped, Mesh& mesh, ImportReport& report) {
     constexpr std::uint32_t unused = std::numeric_limits<std::uint32_t>::max();
     const std::vector<std::uint32_t> welded = weld_positions(source.positions);
     std::vector<std::uint32_t> index(source.positions.size(), unused);
+    std::vector<bool> met(source.positions.size(), false);
+    std::uint32_t vertices = 0;
     for (const KeptTriangle& triangle : triangles) {
         TriangleIndices corners;
         for (std::size_t i = 0; i < 3; ++i) {
-            const std::uint32_t position = welded[source.corners[triangle.corners[i]]];
+            const std::uint32_t vertex = source.corners[triangle.corners[i]], position = welded[vertex];
+            vertices += met[vertex] ? 0 : 1;
+            met[vertex] = true;
             if (index[position] == unused) {
                 index[position] = static_cast<std::uint32_t>(mesh.positions.size());
                 mesh.positions.push_back(source.positions[position]);
@@ -187,6 +225,8 @@ void fill_triangles(const SourceMesh& source, const std::vector<KeptTriangle>& t
         mesh.triangles.push_back(corners);
         mesh.source_triangle.push_back(triangle.number);
     }
+    report.welded_vertices = vertices - static_cast<std::uint32_t>(mesh.positions.size());
+    report.duplicate_triangles = count_duplicates(mesh.triangles);
     for (const KeptTriangle& triangle : dropped) {
         TriangleIndices corners;
         for (std::size_t i = 0; i < 3; ++i) corners[i] = index[welded[source.corners[triangle.corners[i]]]];
@@ -243,9 +283,11 @@ void fill_colours(const SourceMesh& source, const std::vector<KeptTriangle>& tri
     };
     std::vector<Sum> sums(used.size());
     std::vector<Vec3> base;
-    for (const std::uint32_t number : used)
-        base.push_back(
-            source.materials[number].reflectance.value_or(options.reflectance.value_or(unknown_reflectance)));
+    for (const std::uint32_t number : used) {
+        const auto& known = source.materials[number].reflectance;
+        report.reflectance_assumed += known ? 0 : 1;
+        base.push_back(known.value_or(options.reflectance.value_or(unknown_reflectance)));
+    }
     const std::uint64_t samples = options.limits.texture_samples / triangles.size();
     bool varies = !source.colours.empty();
     for (const std::uint32_t number : used) varies = varies || source.materials[number].texture.has_value();
@@ -329,13 +371,15 @@ Result<ImportedMesh> import_mesh(const std::filesystem::path& path, const Import
     Mesh& mesh = imported.mesh;
     ImportReport& report = imported.report;
     report.warnings = std::move(source.warnings);
+    report.textures_not_read = source.textures_not_read;
     auto finite = finite_triangles(source, path, options.limits, report);
     if (!finite) return finite.error();
     std::vector<KeptTriangle> triangles = *std::move(finite);
     if (auto checked = check_extent(source, triangles, path); !checked) return checked.error();
     const std::vector<KeptTriangle> dropped = drop_degenerate(source, triangles, report);
     if (triangles.empty()) return nothing_left(path, report);
-    fill_triangles(source, triangles, dropped, mesh);
+    fill_triangles(source, triangles, dropped, mesh, report);
+    report.extent = extent_of(mesh.positions);
     const std::vector<std::uint32_t> used = fill_materials(source, triangles, mesh);
     fill_colours(source, triangles, used, options, mesh, report);
     mesh.source_triangles = report.source_triangles;

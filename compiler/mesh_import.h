@@ -33,17 +33,25 @@ struct ImportOptions {
 
 enum class TwoSided { Auto, Yes, No };
 
-/// What was dropped, merged or assumed. Counts are of source triangles.
+/// What was dropped, merged or assumed. Counts are of source triangles where nothing else is said.
 struct ImportReport {
     std::uint32_t source_triangles = 0;
     std::uint32_t dropped_not_finite = 0;      // a corner is NaN or infinite
     std::uint32_t dropped_degenerate = 0;      // repeated corner or no area
+    std::uint32_t ignored_faces = 0;           // of fewer than three corners; they have no triangles
+    std::uint32_t duplicate_triangles = 0;     // kept ones with the same corners as an earlier one, either way round
+    std::uint32_t welded_vertices = 0;         // vertices in use at the very place of an earlier one
     std::uint32_t polygons_triangulated = 0;   // faces of more than three corners
     std::uint32_t polygons_ear_clipped = 0;    // of those, not convex and planar
     std::uint32_t reflectance_clamped = 0;     // materials whose reflectance was above 0.95
+    std::uint32_t reflectance_assumed = 0;     // materials without one: that of the options, or 0.5
+    std::uint32_t textures_not_read = 0;       // counted once per name or use; a colour stands for each
     std::uint32_t components = 0, closed_components = 0;
+    std::uint32_t open_edges = 0;              // with one triangle; none where a surface is closed
+    std::uint32_t non_manifold_edges = 0;      // with more than two
     std::uint32_t one_sided_triangles = 0, two_sided_triangles = 0;
     std::uint32_t winding_fixed = 0;           // triangles turned by --fix-winding
+    Vec3 extent;                               // of what is kept, metres
     std::vector<std::string> warnings;
 };
 

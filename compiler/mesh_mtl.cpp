@@ -60,6 +60,8 @@ Status read_statement(const std::string& where, std::string_view line, const std
         material.transparent = key == "d" ? *value < 1 : *value > 0;
     } else if (key == "map_Kd" && words.size() > 1) {
         read_texture(trimmed(line.substr(line.find(key) + key.size())), material);
+    } else if (key == "map_d") {
+        material.transparent = true;
     } else if (key == "map_Ke") {
         material.emissive_map = true;
     }
@@ -71,7 +73,7 @@ Status read_statement(const std::string& where, std::string_view line, const std
 Result<std::vector<std::pair<std::string, MtlMaterial>>> read_mtl(const std::filesystem::path& path,
                                                                   std::string_view text) {
     std::vector<std::pair<std::string, MtlMaterial>> materials;
-    LineReader lines(text);
+    LineReader lines(without_mark(text));
     std::string_view line;
     std::vector<std::string_view> words;
     while (lines.next(line)) {

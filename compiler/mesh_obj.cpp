@@ -2,6 +2,7 @@
 // not keep (it groups by shape and counts at most 255 corners). Numbers are read from the statement's line a second
 // time: the library takes "nan", "1,5" and a missing coordinate for other numbers without a word.
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <numbers>
 #include <set>
@@ -116,6 +117,7 @@ class ObjReader {
     void use_material(std::string_view name);
     std::optional<std::uint32_t> resolved(std::int64_t index, std::size_t count, const char* what);
     std::uint32_t material_named(const std::string& name);
+    void warn_of_ignored();
     void describe_materials();
     void describe(SourceMaterial& material, const MtlMaterial& source);
     std::optional<std::uint32_t> texture_of(const std::string& name);
@@ -224,14 +226,19 @@ std::uint32_t ObjReader::material_named(const std::string& name) {
 
 /// Only now: an mtllib may stand behind the usemtl that needs it.
 void ObjReader::describe_materials() {
+    std::size_t unknown = 0, first_unknown = 0;
     for (std::size_t i = 0; i < mesh_.materials.size(); ++i) {
         SourceMaterial& material = mesh_.materials[i];
         if (const auto known = library_.find(material.name); known != library_.end())
             describe(material, known->second);
-        else if (material.name != default_material)
-            mesh_.warnings.push_back(at_line(path_, material_line_[i]) + ": no MTL describes material " +
-                                     in_quotes(material.name) + ": taken as one without colour");
+        else if (material.name != default_material && unknown++ == 0)
+            first_unknown = i;
     }
+    if (unknown > 0)
+        mesh_.warnings.push_back(at_line(path_, material_line_[first_unknown]) + ": no MTL describes material " +
+                                 in_quotes(mesh_.materials[first_unknown].name) +
+                                 (unknown > 1 ? " and " + std::to_string(unknown - 1) + " more" : "") +
+                                 ": taken as without colour");
 }
 
 void ObjReader::describe(SourceMaterial& material, const MtlMaterial& source) {
@@ -261,10 +268,11 @@ std::optional<std::uint32_t> ObjReader::texture_of(const std::string& name) {
     std::error_code ignored;
     if (!std::filesystem::exists(file, ignored)) file = library_folder_ / std::filesystem::path(portable).filename();
     const auto bytes = files_.read(file);
-    auto texture = bytes ? decode_texture(*bytes, pixels_left(mesh_, files_.limits())) : std::nullopt;
+    auto texture = bytes ? decode_texture(*bytes, pixels_left(mesh_, files_.limits())) : bytes.error();
     if (!texture) {
-        mesh_.warnings.push_back("texture " + in_quotes(name) + (bytes ? " cannot be decoded, or is too large" : " cannot be read") +
-                                 ": Kd alone counts");
+        // The end of a long path tells more than its beginning.
+        const std::string shown = name.size() > 40 ? std::filesystem::path(portable).filename().string() : name;
+        leave_out_texture(mesh_, "texture " + in_quotes(shown), texture.error(), "Kd");
         return std::nullopt;
     }
     at->second = static_cast<std::uint32_t>(mesh_.textures.size());
@@ -336,6 +344,33 @@ Status ObjReader::resolve_uvs() {
     return Done{};
 }
 
+/// What makes no surface here, though its author may think so. (The library passes over it without a word.)
+void ObjReader::warn_of_ignored() {
+    static constexpr std::array<std::string_view, 18> understood{
+        "f",      "v",     "vn",       "vt",       "usemtl",     "g",        "s",  "o",  "mtllib",
+        "usemap", "maplib", "c_interp", "d_interp", "shadow_obj", "trace_obj", "lod", "mg", "bevel"};
+    LineReader lines(joined_);
+    std::string_view line;
+    std::size_t drawn = 0, others = 0, first_line = 0;
+    std::string first;
+    while (lines.next(line)) {
+        line = trimmed(line);
+        const std::string_view word = line.substr(0, line.find_first_of(" \t"));
+        if (word.empty() || word.starts_with('#')) continue;
+        if (std::find(understood.begin(), understood.end(), word) != understood.end()) continue;
+        if (word == "p" || word == "l") {
+            ++drawn;
+        } else if (others++ == 0) {
+            first = in_quotes(word);
+            first_line = lines.line_number();
+        }
+    }
+    if (drawn > 0) mesh_.warnings.push_back("points and lines are ignored");
+    if (others > 0)
+        mesh_.warnings.push_back(std::to_string(others) + " statements of another kind are ignored, the first is " +
+                                 first + " in line " + std::to_string(first_line));
+}
+
 Result<SourceMesh> ObjReader::read() {
     if (const auto line = find_long_line(joined_))
         return bad_input(at_line(path_, *line), "the statement is too long to be one");
@@ -348,6 +383,7 @@ Result<SourceMesh> ObjReader::read() {
     std::string warnings, faults;
     tinyobj::LoadObjWithCallback(stream_, calls, this, &library, &warnings, &faults);
     if (error_) return *error_;
+    warn_of_ignored();
     describe_materials();
     if (auto resolved_all = resolve_uvs(); !resolved_all) return resolved_all.error();
     if (has_colours_) mesh_.warnings.push_back("vertex colours are ignored: OBJ does not say what they mean");

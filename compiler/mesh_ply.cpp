@@ -225,7 +225,7 @@ Status read_row(PlyBody& body, const PlyElement& element, const ImportLimits& li
 /// Where an element keeps its 8-bit colour, if it has one.
 struct PlyColour {
     std::array<std::size_t, 3> at{};
-    bool present = false;
+    bool present = false, unusable = false;
 
     explicit PlyColour(const PlyElement& element) {
         const std::array<std::optional<std::size_t>, 3> found{element.find({"red", "diffuse_red"}),
@@ -236,6 +236,7 @@ struct PlyColour {
             const bool usable = found[c] && element.properties[*found[c]].type == PlyType::Uint8 &&
                                 !element.properties[*found[c]].count_type;
             present = present && usable;
+            unusable = unusable || (found[c] && !usable);
             at[c] = found[c].value_or(0);
         }
     }
@@ -258,6 +259,7 @@ class PlyReader {
         const auto x = element.find({"x"}), y = element.find({"y"}), z = element.find({"z"});
         if (!x || !y || !z) return bad_input(path_.string(), "the vertices have no properties x, y and z");
         const PlyColour colour(element);
+        warn_of(colour);
         PlyRow row;
         for (std::int64_t i = 0; i < element.count; ++i) {
             if (auto read = read_row(body_, element, limits_, row); !read) return read;
@@ -275,6 +277,7 @@ class PlyReader {
         if (!list || !element.properties[*list].count_type || !is_whole(element.properties[*list].type))
             return bad_input(path_.string(), "the faces have no list 'vertex_indices' of whole numbers");
         const PlyColour colour(element);
+        warn_of(colour);
         PlyRow row;
         for (std::int64_t i = 0; i < element.count; ++i) {
             if (auto read = read_row(body_, element, limits_, row); !read) return read;
@@ -294,7 +297,10 @@ class PlyReader {
         return Done{};
     }
 
+    /// Passes over an element, with a word if it holds a part of the surface.
     Status skip(const PlyElement& element) {
+        if (element.name == "tristrips" && element.count > 0)
+            mesh_.warnings.emplace_back("triangle strips are ignored: only faces are read");
         PlyRow row;
         for (std::int64_t i = 0; i < element.count && !element.properties.empty(); ++i)
             if (auto read = read_row(body_, element, limits_, row); !read) return read;
@@ -311,6 +317,10 @@ class PlyReader {
     }
 
   private:
+    void warn_of(const PlyColour& colour) {
+        if (colour.unusable) mesh_.warnings.emplace_back("colours that are no 8-bit numbers are ignored");
+    }
+
     const std::filesystem::path& path_;
     PlyBody body_;
     const ImportLimits& limits_;

@@ -39,6 +39,7 @@ struct SourceMesh {
     std::vector<Vec3> colours;                 // [C] or empty; linear, multiply the reflectance
     std::vector<SourceMaterial> materials;
     std::vector<Texture> textures;
+    std::uint32_t textures_not_read = 0;
     std::vector<std::string> warnings;
 };
 
@@ -55,6 +56,13 @@ inline bool is_too_large(const SourceMesh& mesh, const ImportLimits& limits, std
 inline Error too_large(const std::string& where, const ImportLimits& limits) {
     return bad_input(where, "more than " + std::to_string(limits.corners) + " vertices, or corners of all faces",
                      "split the mesh into several objects");
+}
+
+/// Counts a texture that cannot be used, and warns: which, why, and what counts `instead`.
+inline void leave_out_texture(SourceMesh& mesh, const std::string& which, const Error& why,
+                              const std::string& instead) {
+    ++mesh.textures_not_read;
+    mesh.warnings.push_back(which + " is not read (" + why.message + "): " + instead + " alone counts");
 }
 
 /// Pixels that the next texture of a mesh may have.

@@ -278,6 +278,10 @@ void decide_sides(Mesh& mesh, TwoSided mode, bool fix_winding, ImportReport& rep
     // Components of slits alone come last and are none.
     report.components = kept > 0 ? *std::max_element(component.begin(), component.begin() + kept) + 1 : 0;
     closed.resize(report.components);
+    for_each_edge(edges, [&](std::span<const Edge> sides) {
+        report.open_edges += sides.size() == 1 ? 1 : 0;
+        report.non_manifold_edges += sides.size() > 2 ? 1 : 0;
+    });
     report.closed_components = static_cast<std::uint32_t>(std::count(closed.begin(), closed.end(), true));
     mesh.closed = report.components > 0 && report.closed_components == report.components;
     mesh.two_sided.clear();

@@ -28,6 +28,8 @@ SourceMesh mesh_of_default_material() {
 SourceMesh read_binary(std::string_view bytes) {
     SourceMesh mesh = mesh_of_default_material();
     const std::uint32_t count = facet_count(bytes);
+    if (bytes.substr(0, header_bytes).find("COLOR=") != bytes.npos)
+        mesh.warnings.emplace_back("colours are ignored: STL does not say what they mean");
     mesh.positions.reserve(std::size_t{3} * count);
     for (std::uint32_t facet = 0; facet < count; ++facet) {
         std::array<float, 9> corners;

@@ -37,6 +37,12 @@ std::string_view trimmed(std::string_view text) {
     return text;
 }
 
+std::string_view without_mark(std::string_view text) {
+    constexpr std::string_view mark = "\xef\xbb\xbf";
+    if (text.starts_with(mark)) text.remove_prefix(mark.size());
+    return text;
+}
+
 std::optional<std::size_t> find_long_line(std::string_view text) {
     constexpr std::size_t longest = std::size_t{1} << 24;
     LineReader lines(text);
@@ -80,7 +86,8 @@ std::string at_byte(const std::filesystem::path& path, std::size_t byte) {
 
 bool LineReader::next(std::string_view& line) {
     if (offset_ >= text_.size()) return false;
-    const std::size_t end = std::min(text_.find_first_of("\r\n", offset_), text_.size());
+    std::size_t end = offset_;  // by hand: find_first_of looks each character up by a call
+    while (end < text_.size() && text_[end] != '\n' && text_[end] != '\r') ++end;
     line = text_.substr(offset_, end - offset_);
     const bool two_bytes = end + 1 < text_.size() && text_[end] == '\r' && text_[end + 1] == '\n';
     offset_ = std::min(end + (two_bytes ? 2 : 1), text_.size());

@@ -19,6 +19,9 @@ std::optional<std::int64_t> parse_integer(std::string_view word);
 
 std::string_view trimmed(std::string_view text);
 
+/// The text behind its UTF-8 byte order mark, if it has one.
+std::string_view without_mark(std::string_view text);
+
 /// The number of the first line, from 1, that is longer than any has a reason to be (16 MiB: its words would take eight
 /// times as much); none where there is no such line.
 std::optional<std::size_t> find_long_line(std::string_view text);

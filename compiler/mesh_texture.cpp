@@ -2,24 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <memory>
+#include <utility>
 
-// A private copy: whether a shared library exports these symbols is none of our business.
-#define STB_IMAGE_IMPLEMENTATION
-#define STB_IMAGE_STATIC
-#define STBI_NO_STDIO
-#define STBI_NO_PSD
-#define STBI_NO_GIF
-#define STBI_NO_HDR
-#define STBI_NO_PIC
-#include <stb/stb_image.h>
+#include "compiler/mesh_image.h"
 
 namespace rro {
 namespace {
-
-/// No format packs pixels denser: a PNG of one bit each, and deflate's 1032 bytes for one.
-constexpr std::uint64_t most_pixels_per_byte = 8 * 1032;
 
 /// Texture coordinates that double precision resolves to a thousandth of a pixel; beyond, only the mean is known.
 constexpr double largest_uv = 1e8;
@@ -58,22 +46,10 @@ double srgb_to_linear(std::uint8_t value) {
     return table[value];
 }
 
-std::optional<Texture> decode_texture(std::string_view bytes, std::uint64_t most_pixels) {
-    if (bytes.empty() || bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) return std::nullopt;
-    const auto* data = reinterpret_cast<const stbi_uc*>(bytes.data());
-    const int size = static_cast<int>(bytes.size());
-    int width = 0, height = 0, channels = 0;
-    if (!stbi_info_from_memory(data, size, &width, &height, &channels)) return std::nullopt;
-    if (width <= 0 || height <= 0) return std::nullopt;
-    const std::uint64_t count = static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
-    if (count > most_pixels || count / most_pixels_per_byte > bytes.size()) return std::nullopt;
-    const std::unique_ptr<stbi_uc, void (*)(void*)> pixels(
-        stbi_load_from_memory(data, size, &width, &height, &channels, STBI_rgb), stbi_image_free);
-    if (!pixels || width <= 0 || height <= 0) return std::nullopt;
-    Texture texture;
-    texture.width = static_cast<std::uint32_t>(width);
-    texture.height = static_cast<std::uint32_t>(height);
-    texture.rgb.assign(pixels.get(), pixels.get() + std::size_t{3} * texture.width * texture.height);
+Result<Texture> decode_texture(std::string_view bytes, std::uint64_t most_pixels) {
+    auto image = decode_image(bytes, most_pixels);
+    if (!image) return image.error();
+    Texture texture{image->width, image->height, std::move(image->rgb), {}};
     texture.mean = mean_of_image(texture);
     return texture;
 }

@@ -3,11 +3,11 @@
 
 #include <array>
 #include <cstdint>
-#include <optional>
 #include <string_view>
 #include <vector>
 
 #include "format/geometry.h"
+#include "format/result.h"
 
 namespace rro {
 
@@ -32,9 +32,10 @@ struct TextureUse {
 /// Linear value of an 8-bit sRGB one, in [0, 1].
 double srgb_to_linear(std::uint8_t value);
 
-/// Decodes PNG, JPEG, BMP, TGA and PNM; transparency is dropped. None where it cannot be decoded, or has more pixels than
-/// `most_pixels`.
-std::optional<Texture> decode_texture(std::string_view bytes, std::uint64_t most_pixels);
+/// Decodes an image; transparency is dropped.
+///
+/// errors   those of decode_image
+Result<Texture> decode_texture(std::string_view bytes, std::uint64_t most_pixels);
 
 /// Linear mean of the texture over the triangle with these coordinates; over the whole image where one is not finite, or so
 /// far off that it names no pixel.

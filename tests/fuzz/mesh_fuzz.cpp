@@ -7,6 +7,7 @@
 #include "tests/fuzz/json_mutator.h"
 #include "tests/fuzz/mesh_input.h"
 #include "tests/fuzz/reading.h"
+#include "tests/support/image_files.h"
 #include "tests/support/temporary_folder.h"
 
 namespace {
@@ -31,8 +32,8 @@ constexpr ImportLimits kLimits{.file_bytes = 1 << 16,
 const test::TemporaryFolder& mesh_folder() {
     static const test::TemporaryFolder folder;
     static const bool filled = [] {
-        write(folder / "a.mtl", "newmtl a\nKd 0.5 0.25 1\nKe 1 2 3\nd 0.5\nnewmtl b\nmap_Kd -s 2 2 1 a.ppm\n");
-        write(folder / "a.ppm", "P6 2 2 255\nrgbRGBabcABC");
+        write(folder / "a.mtl", "newmtl a\nKd 0.5 0.25 1\nKe 1 2 3\nd 0.5\nnewmtl b\nmap_Kd -s 2 2 1 a.tga\n");
+        write(folder / "a.tga", test::tga_file(2, 2, {{114, 103, 98}, {82, 71, 66}, {97, 98, 99}, {65, 66, 67}}));
         constexpr std::array<float, 9> triangle{0, 0, 0, 1, 0, 0, 0, 1, 0};
         write(folder / "a.bin", {reinterpret_cast<const char*>(triangle.data()), sizeof triangle});
         write(folder / "mtl.obj", "mtllib mesh.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl a\n"

@@ -10,15 +10,11 @@
 #include <utility>
 #include <vector>
 
-#define STB_IMAGE_WRITE_IMPLEMENTATION
-#define STB_IMAGE_WRITE_STATIC
-#define STBI_WRITE_NO_STDIO
-#include <stb/stb_image_write.h>
-
 #include "format/archive_reader.h"
 #include "format/archive_writer.h"
 #include "format/layout.h"
 #include "tests/fuzz/mesh_input.h"
+#include "tests/support/image_files.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/tiny_object.h"
 
@@ -125,18 +121,12 @@ std::string textured_parts(const std::string& image) {
 
 /// A small picture in each format that textures come in.
 std::vector<std::pair<std::string, std::string>> pictures() {
-    constexpr int width = 5, height = 3;
-    std::array<std::uint8_t, width * height * 3> rgb;
-    for (std::size_t i = 0; i < rgb.size(); ++i) rgb[i] = static_cast<std::uint8_t>(17 * i);
-    std::string png, jpg, bmp, tga;
-    const auto append = [](void* file, void* data, int size) {
-        static_cast<std::string*>(file)->append(static_cast<const char*>(data), static_cast<std::size_t>(size));
-    };
-    stbi_write_png_to_func(append, &png, width, height, 3, rgb.data(), 3 * width);
-    stbi_write_jpg_to_func(append, &jpg, width, height, 3, rgb.data(), 50);
-    stbi_write_bmp_to_func(append, &bmp, width, height, 3, rgb.data());
-    stbi_write_tga_to_func(append, &tga, width, height, 3, rgb.data());
-    return {{"png", png}, {"jpg", jpg}, {"bmp", bmp}, {"tga", tga}};
+    constexpr unsigned width = 5, height = 3;
+    std::vector<unsigned char> rgb(width * height * 3);
+    for (std::size_t i = 0; i < rgb.size(); ++i) rgb[i] = static_cast<unsigned char>(17 * i);
+    return {{"png", test::png_file(width, height, {}, rgb)},
+            {"jpg", test::jpeg_file(width, height, 3, true, rgb)},
+            {"tga", test::tga_file(width, height, std::vector<test::Pixel>(width * height, {17, 34, 51}))}};
 }
 
 /// Mesh files behind the byte that names their format, the ending.

@@ -3,6 +3,7 @@
 
 #include "compiler/mesh_weld.h"
 #include "mesh_files.h"
+#include "tests/support/image_files.h"
 
 using namespace rro;
 using namespace rro::test;
@@ -45,7 +46,7 @@ TEST_CASE("a pipe or a device is refused, not read for ever", "[mesh][limits]") 
     // So is what a mesh refers to.
     folder.write("m.mtl", "newmtl t\nmap_Kd /dev/zero\n");
     const auto file = folder.write("a.obj", "mtllib /dev/zero\nmtllib m.mtl\nusemtl t\n" + std::string(triangle));
-    CHECK(warns(imported(file).report, "'/dev/zero' cannot be read"));
+    CHECK(warns(imported(file).report, "'/dev/zero' is not read (found a pipe or a device"));
 }
 
 TEST_CASE("a mesh and what it refers to have a largest size together", "[mesh][limits]") {
@@ -117,8 +118,8 @@ TEST_CASE("a polygon that would take too long to cut is refused by its line", "[
 
 TEST_CASE("a texture with more pixels than are taken counts as none", "[mesh][limits]") {
     const MeshFolder folder;
-    folder.write("a.bmp", bitmap(4, 4, std::vector<std::array<unsigned char, 3>>(16, {188, 188, 188})));
-    folder.write("m.mtl", "newmtl t\nmap_Kd a.bmp\nnewmtl u\nmap_Kd ./a.bmp\n");
+    folder.write("a.tga", tga_file(4, 4, std::vector<Pixel>(16, {188, 188, 188})));
+    folder.write("m.mtl", "newmtl t\nmap_Kd a.tga\nnewmtl u\nmap_Kd ./a.tga\n");
     const auto file =
         folder.write("a.obj", "mtllib m.mtl\nusemtl t\n" + std::string(triangle) + "usemtl u\nf 1 2 3\n");
     CHECK(imported(file).report.warnings.empty());
@@ -128,20 +129,20 @@ TEST_CASE("a texture with more pixels than are taken counts as none", "[mesh][li
     options.limits = {.texture_pixels = 31};  // enough for one of them
     CHECK(import_mesh(file, options)->report.warnings.size() == 1);
     // A header that promises 8192 x 8192 pixels, and has none of them.
-    folder.write("a.bmp", bitmap(4, 4, std::vector<std::array<unsigned char, 3>>(16)).replace(18, 8, raw(std::array{8192, 8192})));
+    folder.write("a.tga", tga_file(8192, 8192, std::vector<Pixel>(16)));
     CHECK(imported(file).report.warnings.size() == 2);
 }
 
 TEST_CASE("where texture samples are few, each triangle gets fewer", "[mesh][limits]") {
     const MeshFolder folder;
-    std::vector<std::array<unsigned char, 3>> noise(64 * 64);
+    std::vector<Pixel> noise(64 * 64);
     std::uint32_t state = 1;
     for (auto& pixel : noise) {
         state = state * 1664525 + 1013904223;  // any noise will do
         pixel.fill(static_cast<unsigned char>(state >> 24));
     }
-    folder.write("a.bmp", bitmap(64, 64, noise));
-    folder.write("m.mtl", "newmtl t\nmap_Kd a.bmp\n");
+    folder.write("a.tga", tga_file(64, 64, noise));
+    folder.write("m.mtl", "newmtl t\nmap_Kd a.tga\n");
     const auto file = folder.write("a.obj", "mtllib m.mtl\nusemtl t\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\n"
                                             "f 1/1 2/2 3/3\n");
     const auto mean = [&](std::uint64_t samples) {

@@ -87,21 +87,6 @@ std::string raw(const Value& value) {
     return bytes;
 }
 
-/// An uncompressed 24-bit BMP; pixels row by row from the top, {r, g, b}.
-inline std::string bitmap(int width, int height, const std::vector<std::array<unsigned char, 3>>& pixels) {
-    const int row_bytes = (3 * width + 3) / 4 * 4;
-    std::string rows(static_cast<std::size_t>(row_bytes) * static_cast<std::size_t>(height), '\0');
-    for (int y = 0; y < height; ++y)
-        for (int x = 0; x < width; ++x)
-            for (int c = 0; c < 3; ++c)  // stored bottom up, blue first
-                rows[static_cast<std::size_t>((height - 1 - y) * row_bytes + 3 * x + 2 - c)] =
-                    static_cast<char>(pixels[static_cast<std::size_t>(y * width + x)][static_cast<std::size_t>(c)]);
-    const auto u16 = [](int v) { return raw(static_cast<std::uint16_t>(v)); };
-    const auto u32 = [](std::size_t v) { return raw(static_cast<std::uint32_t>(v)); };
-    return "BM" + u32(54 + rows.size()) + u32(0) + u32(54) + u32(40) + raw(width) + raw(height) + u16(1) + u16(24) +
-           u32(0) + u32(rows.size()) + u32(0) + u32(0) + u32(0) + u32(0) + rows;
-}
-
 /// A 2 x 2 PNG: red, green / blue, white (8-bit RGB), as any encoder writes it.
 inline std::string small_png() {
     static constexpr unsigned char bytes[] = {

@@ -1,5 +1,6 @@
 #include "format/sha256.h"
 #include "mesh_files.h"
+#include "tests/support/image_files.h"
 
 using namespace rro;
 using namespace rro::test;
@@ -24,7 +25,9 @@ TEST_CASE("numbers follow the file's faces, and dropped triangles keep theirs", 
     CHECK(mesh.positions.size() == 4);  // unused and unusable ones are gone
     CHECK(corners(mesh, 0) == TriangleCorners{Vec3{0, 0, 0}, Vec3{1, 0, 0}, Vec3{1, 1, 0}});
     CHECK(corners(mesh, 1) == TriangleCorners{Vec3{0, 0, 0}, Vec3{1, 1, 0}, Vec3{0, 1, 0}});
-    CHECK(warns(report, "fewer than three corners"));
+    CHECK(report.ignored_faces == 1);
+    CHECK(report.welded_vertices == 0);
+    CHECK(report.duplicate_triangles == 1);  // number 4 is number 0 again
 }
 
 TEST_CASE("faces stay in the order of the file across groups and materials", "[mesh][obj]") {
@@ -166,8 +169,8 @@ TEST_CASE("a texture gives each triangle its mean", "[mesh][obj][texture]") {
 
 TEST_CASE("8-bit textures are sRGB, and clamping counts the material once", "[mesh][obj][texture]") {
     const MeshFolder folder;
-    folder.write("t.bmp", bitmap(2, 1, {{188, 188, 188}, {255, 255, 255}}));
-    folder.write("m.mtl", "newmtl t\nmap_Kd t.bmp\n");
+    folder.write("t.tga", tga_file(2, 1, {{188, 188, 188}, {255, 255, 255}}));
+    folder.write("m.mtl", "newmtl t\nmap_Kd t.tga\n");
     const auto [mesh, report, hash, files] = imported(
         folder.write("a.obj",
                      "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0.1 0.1\nvt 0.4 0.1\nvt 0.1 0.4\n"
@@ -180,15 +183,20 @@ TEST_CASE("8-bit textures are sRGB, and clamping counts the material once", "[me
 TEST_CASE("a texture that cannot be read is a warning", "[mesh][obj][texture]") {
     const MeshFolder folder;
     folder.write("broken.png", small_png().substr(0, 40));
-    folder.write("m.mtl", "newmtl a\nKd 0.2 0.2 0.2\nmap_Kd gone.png\nnewmtl b\nKd 0.3 0.3 0.3\nmap_Kd broken.png\n");
+    folder.write("old.bmp", "BM......");
+    folder.write("m.mtl",
+                 "newmtl a\nKd 0.2 0.2 0.2\nmap_Kd gone.png\nnewmtl b\nKd 0.3 0.3 0.3\nmap_Kd broken.png\n"
+                 "newmtl c\nmap_Kd old.bmp\n");
     const auto [mesh, report, hash, files] = imported(
-        folder.write("a.obj", "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\nusemtl b\nf 1 2 3\n"));
+        folder.write("a.obj", "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\nusemtl b\nf 1 2 3\nusemtl c\nf 1 2 3\n"));
     CHECK(mesh.materials.at(0).reflectance == Vec3{0.2, 0.2, 0.2});
     CHECK(mesh.materials.at(1).reflectance == Vec3{0.3, 0.3, 0.3});
     CHECK_FALSE(mesh.materials[0].textured);
     CHECK(mesh.reflectance.empty());
-    CHECK(warns(report, "gone.png"));
-    CHECK(warns(report, "broken.png"));
+    CHECK(warns(report, "'gone.png' is not read (no such file): Kd alone counts"));
+    CHECK(warns(report, "'broken.png' is not read (it is a broken PNG (the file is cut off))"));
+    CHECK(warns(report, "'old.bmp' is not read (it is no PNG, JPEG or TGA)"));
+    CHECK(report.textures_not_read == 3);
 }
 
 TEST_CASE("of several names behind mtllib the first that exists counts, and a library may come late", "[mesh][obj]") {
