@@ -52,6 +52,7 @@ struct ImportedMesh {
     ImportReport report;
     std::string sha256;                             // over the mesh file and every file it refers to, in order of use
     std::vector<std::filesystem::path> files;       // the mesh first; for depfiles
+    std::vector<std::filesystem::path> absent;      // looked for, but not there; with them the mesh may be another
 };
 
 /// Reads one mesh; numbering, materials, units as the contract says. Drops bad triangles and counts them.
