@@ -31,6 +31,15 @@ function(_rro_objects_of library variable)
   set(${variable} "${names}" PARENT_SCOPE)
 endfunction()
 
+# In `variable`, a depfile for these archives alone: ninja stops at one of an earlier list, with archives that are no longer
+# made.
+function(_rro_depfile_of archives variable)
+  string(SHA256 id "${archives}")
+  set(folder "${CMAKE_CURRENT_BINARY_DIR}/CMakeFiles/rro")
+  file(MAKE_DIRECTORY "${folder}")
+  set(${variable} "${folder}/${id}.d" PARENT_SCOPE)
+endfunction()
+
 function(rro_add_library name)
   cmake_parse_arguments(PARSE_ARGV 1 ARG "" "LIBRARY;OUT" "MESHES;OPTIONS")
   if(ARG_UNPARSED_ARGUMENTS)
@@ -47,8 +56,6 @@ function(rro_add_library name)
   endif()
   get_filename_component(out "${ARG_OUT}" ABSOLUTE BASE_DIR "${CMAKE_CURRENT_BINARY_DIR}")
   file(MAKE_DIRECTORY "${out}")
-  set(depfiles "${CMAKE_CURRENT_BINARY_DIR}/CMakeFiles/${name}.rro")
-  file(MAKE_DIRECTORY "${depfiles}")
   set(compiler "$<TARGET_FILE:rro::rro-compile>")
 
   set(archives)
@@ -59,11 +66,12 @@ function(rro_add_library name)
       list(APPEND archives "${out}/${object}.rro")
     endforeach()
     if(archives)
+      _rro_depfile_of("${archives}" depfile)
       add_custom_command(
         OUTPUT ${archives}
-        COMMAND "${compiler}" library "${library}" --out "${out}" --depfile "${depfiles}/library.d"
+        COMMAND "${compiler}" library "${library}" --out "${out}" --depfile "${depfile}"
         DEPENDS "${library}" "${compiler}"
-        DEPFILE "${depfiles}/library.d"
+        DEPFILE "${depfile}"
         COMMENT "Compiling what has changed of ${ARG_LIBRARY}"
         VERBATIM)
     endif()
@@ -76,11 +84,12 @@ function(rro_add_library name)
       message(FATAL_ERROR "rro_add_library(${name}): two meshes would become ${archive}")
     endif()
     list(APPEND archives "${archive}")
+    _rro_depfile_of("${archive}" depfile)
     add_custom_command(
       OUTPUT "${archive}"
-      COMMAND "${compiler}" build "${source}" --out "${archive}" --depfile "${depfiles}/${stem}.d" ${ARG_OPTIONS}
+      COMMAND "${compiler}" build "${source}" --out "${archive}" --depfile "${depfile}" ${ARG_OPTIONS}
       DEPENDS "${source}" "${compiler}"
-      DEPFILE "${depfiles}/${stem}.d"
+      DEPFILE "${depfile}"
       COMMENT "Compiling ${mesh}"
       VERBATIM)
   endforeach()
