@@ -27,7 +27,7 @@ fi
 python3 samples/furniture_room.py extract "$catalogues" "$work"
 
 started=$SECONDS
-samples/compile_library.sh "$programs/rro-compile"
+"$programs/rro-compile" library samples/library.json --out samples/library
 python3 samples/furniture_room.py list | while read -r name mesh; do
     "$programs/rro-compile" build "$work/meshes/$mesh" --out "$work/library/$name.rro" --unit cm --if-changed
 done
