@@ -38,6 +38,8 @@ fs::path input_record_path(const fs::path& archive) {
 }
 
 void write_input_record(const fs::path& archive, const InputFiles& inputs) {
+    std::error_code ignored;
+    if (!fs::is_regular_file(archive, ignored)) return;  // a device has no place beside it
     const fs::path folder = inputs.read.front().parent_path();
     std::string text = std::string(kFirstLine) + "\n";
     for (const auto& [mark, files] : {std::pair(kRead, std::span(inputs.read).subspan(1)),
