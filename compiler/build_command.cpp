@@ -155,8 +155,7 @@ bool is_current(const BuildTarget& target, const BuildPlan& plan, const std::str
     outcome.meta = archive->data().meta;
     outcome.bytes = archive->file_bytes();
     return outcome.meta.source_sha256 == sha256 && outcome.meta.options == plan.options &&
-           outcome.meta.tool_version == kToolVersion &&
-           outcome.meta.source_name == target.mesh.filename().string();
+           outcome.meta.tool_version == kToolVersion && outcome.meta.source_name == target.mesh.filename().string();
 }
 
 /// The same without an import, where the record beside the archive allows that.
@@ -264,8 +263,11 @@ nlohmann::ordered_json report_of(const BuildOutcome& o) {
                        {"one_sided_triangles", r.one_sided_triangles},
                        {"two_sided_triangles", r.two_sided_triangles},
                        {"winding_fixed", r.winding_fixed}};
-    entry["object"].update({{"triangles", o.triangles}, {"faces", o.faces}, {"patches", o.patches},
-                            {"clusters", o.clusters}, {"volumes", o.volumes}});
+    entry["object"].update({{"triangles", o.triangles},
+                            {"faces", o.faces},
+                            {"patches", o.patches},
+                            {"clusters", o.clusters},
+                            {"volumes", o.volumes}});
     entry["warnings"] = o.warnings;
     return entry;
 }

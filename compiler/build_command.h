@@ -57,8 +57,8 @@ Result<BuildPlan> plan_build(const BuildRequest& request);
 /// What became of one mesh.
 struct BuildOutcome {
     BuildTarget target;
-    std::optional<Error> error;  // set: nothing was written, and only the fields above it hold
-    bool unchanged = false;      // --if-changed found the archive made from the same source and options
+    std::optional<Error> error;                 // set: nothing was written, and only the fields above it hold
+    bool unchanged = false;                     // --if-changed found the archive made from the same source and options
     std::vector<std::filesystem::path> inputs;  // every file read, the mesh first
     ObjectMeta meta;
     // Where it is not unchanged:
@@ -70,8 +70,9 @@ struct BuildOutcome {
     double seconds = 0;
 };
 
-/// Imports, compiles and writes one archive; errors are in the outcome, and nothing is thrown. With if_changed, an archive
-/// that is current stays: where the record beside it names the files it was made from, they are hashed, else imported.
+/// Imports, compiles and writes one archive; errors are in the outcome, and nothing is thrown. With if_changed, an
+/// archive that is current stays: where the record beside it names the files it was made from, they are hashed, else
+/// imported.
 BuildOutcome build_target(const BuildTarget& target, const BuildPlan& plan, const CompileProgress& progress = {});
 
 /// "desk.rro: 12 triangles, ..., 0.35 s": one line without its end.

@@ -42,8 +42,8 @@ void write_input_record(const fs::path& archive, const InputFiles& inputs) {
     if (!fs::is_regular_file(archive, ignored)) return;  // a device has no place beside it
     const fs::path folder = inputs.read.front().parent_path();
     std::string text = std::string(kFirstLine) + "\n";
-    for (const auto& [mark, files] : {std::pair(kRead, std::span(inputs.read).subspan(1)),
-                                      std::pair(kAbsent, std::span(inputs.absent))})
+    for (const auto& [mark, files] :
+         {std::pair(kRead, std::span(inputs.read).subspan(1)), std::pair(kAbsent, std::span(inputs.absent))})
         for (const fs::path& file : files) {
             const std::string line = line_of(mark, file, folder);
             if (line.empty()) return;

@@ -19,17 +19,17 @@ struct RecordedInputs {
     std::string sha256;
 };
 
-/// The record of an archive: ".NAME.rro.inputs" beside it. Paths in it are relative to the mesh's folder, so that it holds
-/// wherever both are moved.
+/// The record of an archive: ".NAME.rro.inputs" beside it. Paths in it are relative to the mesh's folder, so that it
+/// holds wherever both are moved.
 std::filesystem::path input_record_path(const std::filesystem::path& archive);
 
-/// Notes the files beside the archive. The record is a help, never needed: where it cannot be written there is none, and
-/// the next build imports the mesh.
+/// Notes the files beside the archive. The record is a help, never needed: where it cannot be written there is none,
+/// and the next build imports the mesh.
 void write_input_record(const std::filesystem::path& archive, const InputFiles& inputs);
 
-/// Reads the record and every file it names. None where there is no record, or an import might now find other files: one
-/// of them is gone, or one that was absent is there. The record tells no hash: whoever asks compares with that in the
-/// archive, so that a record that is older than its archive, or was left by another, deceives nobody.
+/// Reads the record and every file it names. None where there is no record, or an import might now find other files:
+/// one of them is gone, or one that was absent is there. The record tells no hash: whoever asks compares with that in
+/// the archive, so that a record that is older than its archive, or was left by another, deceives nobody.
 std::optional<RecordedInputs> read_recorded_inputs(const std::filesystem::path& archive,
                                                    const std::filesystem::path& mesh);
 

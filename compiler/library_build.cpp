@@ -99,8 +99,8 @@ Result<BuildPlan> plan_object(const json& object, const json& defaults, const Li
     return plan;
 }
 
-/// Meshes of this many bytes together are compiled at once. A compile takes some twenty times the size of its mesh (16 to
-/// 28 measured on OBJ files), so this bounds it to little more than 1 GB, or what the largest mesh takes alone.
+/// Meshes of this many bytes together are compiled at once. A compile takes some twenty times the size of its mesh (16
+/// to 28 measured on OBJ files), so this bounds it to little more than 1 GB, or what the largest mesh takes alone.
 constexpr std::uint64_t kSourceBytesAtOnce = std::uint64_t{64} << 20;
 
 struct Job {
@@ -111,7 +111,8 @@ struct Job {
 /// Outcomes as they come in, passed on in order.
 class OutcomeLog {
   public:
-    OutcomeLog(std::size_t count, const BuildListener& listener) : outcomes_(count), ready_(count), listener_(listener) {
+    OutcomeLog(std::size_t count, const BuildListener& listener)
+        : outcomes_(count), ready_(count), listener_(listener) {
         report_progress();
     }
 

@@ -25,9 +25,9 @@ void parallel_for(std::size_t count, std::size_t grain, const Body& body) {
     });
 }
 
-/// Calls body(i) for every i below weights.size(), begun in about that order: large jobs that are parallel inside as well. At
-/// most one per thread is under way, and no more than weigh `budget` together (one alone may weigh more). A thread that
-/// waits inside a job helps with that job only. Bodies must not throw.
+/// Calls body(i) for every i below weights.size(), begun in about that order: large jobs that are parallel inside as
+/// well. At most one per thread is under way, and no more than weigh `budget` together (one alone may weigh more). A
+/// thread that waits inside a job helps with that job only. Bodies must not throw.
 void parallel_jobs(std::span<const std::uint64_t> weights, std::uint64_t budget,
                    const std::function<void(std::size_t)>& body);
 

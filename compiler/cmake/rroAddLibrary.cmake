@@ -1,8 +1,8 @@
 # rro_add_library(NAME MESHES mesh... [OPTIONS option...] [OUT folder])
-# rro_add_library(NAME LIBRARY library.json [OUT folder])
+# rro_add_library(NAME LIBRARY library.json [OPTIONS option...] [OUT folder])
 #
 # A target NAME, built by default, that compiles an object library into FOLDER (default: NAME in the current binary folder):
-# one archive per mesh, named by its stem, with OPTIONS as `rro-compile build` has them; or the objects of LIBRARY, as
+# one archive per mesh, named by its stem, as `rro-compile build` does with OPTIONS; or the objects of LIBRARY, as
 # `rro-compile library` does. Paths are relative to the current source folder, OUT to the current binary folder.
 #
 # What a mesh refers to (MTL, textures, .bin) is known from the depfiles of the compiler: an archive is made again when any
@@ -48,9 +48,6 @@ function(rro_add_library name)
   if((ARG_MESHES AND ARG_LIBRARY) OR NOT (ARG_MESHES OR ARG_LIBRARY))
     message(FATAL_ERROR "rro_add_library(${name}): expected either MESHES or LIBRARY")
   endif()
-  if(ARG_LIBRARY AND ARG_OPTIONS)
-    message(FATAL_ERROR "rro_add_library(${name}): a LIBRARY has its options in its own file, expected no OPTIONS")
-  endif()
   if(NOT ARG_OUT)
     set(ARG_OUT "${name}")
   endif()
@@ -69,7 +66,7 @@ function(rro_add_library name)
       _rro_depfile_of("${archives}" depfile)
       add_custom_command(
         OUTPUT ${archives}
-        COMMAND "${compiler}" library "${library}" --out "${out}" --depfile "${depfile}"
+        COMMAND "${compiler}" library "${library}" --out "${out}" --depfile "${depfile}" ${ARG_OPTIONS}
         DEPENDS "${library}" "${compiler}"
         DEPFILE "${depfile}"
         COMMENT "Compiling what has changed of ${ARG_LIBRARY}"

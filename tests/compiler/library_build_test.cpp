@@ -212,8 +212,9 @@ TEST_CASE("one mesh that cannot be used does not hide the others, and results co
         REQUIRE(plans);
         std::vector<std::string> told;
         std::vector<double> progress;
-        const auto outcomes = build_all(*plans, {[&](const BuildOutcome& o) { told.push_back(o.target.archive.stem()); },
-                                                 [&](std::string_view, double done) { progress.push_back(done); }});
+        const auto outcomes =
+            build_all(*plans, {[&](const BuildOutcome& o) { told.push_back(o.target.archive.stem()); },
+                               [&](std::string_view, double done) { progress.push_back(done); }});
         CHECK(told == std::vector<std::string>{"a", "b", "c", "d", "e"});
         CHECK(progress == std::vector<double>{0, 0.2, 0.4, 0.6, 0.8});
         for (const BuildOutcome& o : outcomes) {
@@ -242,16 +243,19 @@ TEST_CASE("faults of a library file are refused with their place", "[compiler][l
         {library_of(R"("grid": 1)"), ": /objects/0/grid", "2 to 128"},
         {library_of(R"("two_sided": "maybe")"), ": /objects/0/two_sided", "\"auto\""},
         {library_of(R"("reflectance": [0, 0, 1])"), ": /objects/0/reflectance/2", "below 1"},
-        {library_of(R"("materials": {"a": {"reflectance": [-0.5, 0, 0]}})"), "/materials/a/reflectance/0", "at least 0"},
+        {library_of(R"("materials": {"a": {"reflectance": [-0.5, 0, 0]}})"), "/materials/a/reflectance/0",
+         "at least 0"},
         {library_of(R"("materials": {"a": {"exitance": [1e31, 0, 0]}})"), "/materials/a/exitance/0", "1e30"},
         {library_of(R"("materials": {"a/b": {"colour": 1}})"), "/materials/a~1b/colour", "unknown key"},
         {library_of(R"("name": "b")"), ": /objects/0", "twice"},
         {library_of(R"("tables": "nonsense")"), ": /objects/0", "nonsense"},
         {R"({"format": "rro-library/1", "objects": [{"mesh": "a.obj"}]})", ": /objects/0", "\"name\" is missing"},
         {R"({"format": "rro-library/1", "objects": [{"name": "a"}]})", ": /objects/0", "\"mesh\" is missing"},
-        {R"({"format": "rro-library/1", "objects": [{"name": "", "mesh": "a.obj"}]})", ": /objects/0/name", "not empty"},
+        {R"({"format": "rro-library/1", "objects": [{"name": "", "mesh": "a.obj"}]})", ": /objects/0/name",
+         "not empty"},
         {R"({"format": "rro-library/1", "objects": [{"name": "a/b", "mesh": "a.obj"}]})", ": /objects/0/name", "\"/\""},
-        {R"({"format": "rro-library/1", "objects": [{"name": "a", "mesh": "a\u0000.obj"}]})", ": /objects/0/mesh", "NUL"},
+        {R"({"format": "rro-library/1", "objects": [{"name": "a", "mesh": "a\u0000.obj"}]})", ": /objects/0/mesh",
+         "NUL"},
         {R"({"format": "rro-library/1", "objects": [{"name": "a", "mesh": "a.obj"}, {"name": "a", "mesh": "b.obj"}]})",
          ": /objects/1/name", "/objects/0"},
     }));
@@ -269,8 +273,8 @@ TEST_CASE("every archive's rule in a depfile names the library too", "[compiler]
     const Workshop shop;
     const auto outcomes = shop.build(library_of(""));
     const std::string root = shop.folder.path().string() + "/";
-    CHECK(depfile_text(outcomes, shop.folder / "library.json") ==
-          root + "out/a.rro: \\\n  " + root + "tetrahedron.obj \\\n  " + root + "paint.mtl \\\n  " + root +
-              "library.json\n");
+    CHECK(depfile_text(outcomes, shop.folder / "library.json") == root + "out/a.rro: \\\n  " + root +
+                                                                      "tetrahedron.obj \\\n  " + root +
+                                                                      "paint.mtl \\\n  " + root + "library.json\n");
     CHECK(depfile_text(shop.build(library_of(""))) == depfile_text(outcomes));  // unchanged: the same inputs
 }
