@@ -197,7 +197,7 @@ Status build_into(BuildOutcome& outcome, const BuildPlan& plan, const CompilePro
     auto imported = import_mesh(target.mesh, plan.import);
     if (!imported) return imported.error();
     outcome.inputs = imported->files;
-    const InputFiles inputs{imported->files, imported->absent};
+    const InputFiles inputs{imported->files, imported->report.absent};
     outcome.unchanged = plan.if_changed && is_current(target, plan, imported->sha256, outcome);
     if (outcome.unchanged) {
         const DeferInterrupts until_written;

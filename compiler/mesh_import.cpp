@@ -349,7 +349,7 @@ Result<ImportedMesh> import_mesh(const std::filesystem::path& path, const Import
     mesh.source_triangles = report.source_triangles;
     imported.sha256 = sha256_hex(std::as_bytes(std::span(files.bytes())));
     imported.files = files.paths();
-    imported.absent.assign(files.absent().begin(), files.absent().end());
+    report.absent.assign(files.absent().begin(), files.absent().end());
     return imported;
 }
 

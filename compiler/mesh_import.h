@@ -45,6 +45,7 @@ struct ImportReport {
     std::uint32_t one_sided_triangles = 0, two_sided_triangles = 0;
     std::uint32_t winding_fixed = 0;           // triangles turned by --fix-winding
     std::vector<std::string> warnings;
+    std::vector<std::filesystem::path> absent;  // files looked for in vain; with them the mesh may be another
 };
 
 struct ImportedMesh {
@@ -52,7 +53,6 @@ struct ImportedMesh {
     ImportReport report;
     std::string sha256;                             // over the mesh file and every file it refers to, in order of use
     std::vector<std::filesystem::path> files;       // the mesh first; for depfiles
-    std::vector<std::filesystem::path> absent;      // looked for, but not there; with them the mesh may be another
 };
 
 /// Reads one mesh; numbering, materials, units as the contract says. Drops bad triangles and counts them.
