@@ -157,6 +157,19 @@ TEST_CASE("what decides an archive makes it anew, and nothing else does", "[comp
         shop.write("paint.mtl", kPaint);
         CHECK(!unchanged());
     }
+    SECTION("a texture that is found in a better place") {
+        // Where the MTL says there is none, so that the one beside the MTL counts.
+        shop.write("paint.mtl", std::string(kPaint) + "map_Kd textures/wood.png\n");
+        shop.write("wood.png", "no picture");
+        CHECK(!unchanged());
+        CHECK(unchanged());
+        shop.write("wood.png", "another");
+        CHECK(!unchanged());
+        fs::create_directory(shop.folder / "textures");
+        shop.write("textures/wood.png", "in its place");
+        CHECK(!unchanged());
+        CHECK(unchanged());
+    }
     SECTION("the archive itself") {
         std::ofstream(shop.out() / "a.rro", std::ios::app) << "tail";
         CHECK(!unchanged());
