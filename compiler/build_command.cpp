@@ -75,6 +75,8 @@ Status set_options(const BuildRequest& request, BuildPlan& plan) {
         if (!reflectance) return reflectance.error();
         plan.import.reflectance = *reflectance;
     }
+    plan.materials = request.materials;
+    plan.materials_place = request.materials_place;
     plan.import.unit = *unit;
     plan.import.z_up = *z_up;
     plan.two_sided = *two_sided;
@@ -82,8 +84,6 @@ Status set_options(const BuildRequest& request, BuildPlan& plan) {
     plan.if_changed = request.if_changed;
     plan.compile.grid_map = *map;
     plan.compile.grid_size = request.grid;
-    plan.materials = request.materials;
-    plan.materials_place = request.materials_place;
     return Done{};
 }
 
