@@ -7,15 +7,18 @@
 #include <cstdio>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <system_error>
 
 #include "compiler/archive_facts.h"
 #include "compiler/cluster_tree.h"
 #include "compiler/import_process.h"
+#include "compiler/input_record.h"
 #include "format/archive_reader.h"
 #include "format/archive_writer.h"
 #include "format/layout.h"
 #include "format/tool/interrupt.h"
+#include "format/tool/program.h"
 #include "format/version.h"
 
 namespace rro {
@@ -73,6 +76,8 @@ Status set_options(const BuildRequest& request, BuildPlan& plan) {
         if (!reflectance) return reflectance.error();
         plan.import.reflectance = *reflectance;
     }
+    plan.materials = request.materials;
+    plan.materials_place = request.materials_place;
     plan.import.unit = *unit;
     plan.import.z_up = *z_up;
     plan.two_sided = *two_sided;
@@ -96,7 +101,8 @@ std::string canonical_options(const BuildRequest& request, const BuildPlan& plan
            " image=" + std::to_string(plan.compile.image_resolution) + " patch_area=1/" +
            shortest(plan.compile.patch_area_divisor) + " patch_cone=" + shortest(plan.compile.patch_cone_cosine) +
            " weights=orientation:" + shortest(weights.orientation) + ",reflectivity:" + shortest(weights.reflectivity) +
-           ",aspect:" + shortest(weights.aspect) + ",size:" + shortest(weights.size);
+           ",aspect:" + shortest(weights.aspect) + ",size:" + shortest(weights.size) +
+           (plan.materials.empty() ? "" : " materials=" + canonical_text(plan.materials));
 }
 
 bool names_a_folder(const fs::path& out) {
@@ -125,10 +131,11 @@ Result<std::vector<BuildTarget>> targets_of(const BuildRequest& request) {
 
 Status check_targets(const BuildRequest& request, const std::vector<BuildTarget>& targets) {
     std::error_code code;
+    std::set<fs::path> meshes;
+    for (const fs::path& mesh : request.meshes) meshes.insert(fs::weakly_canonical(mesh, code));
     for (const BuildTarget& target : targets)
-        for (const fs::path& mesh : request.meshes)
-            if (fs::weakly_canonical(target.archive, code) == fs::weakly_canonical(mesh, code))
-                return usage("--out " + target.archive.string() + " would be written over the mesh");
+        if (meshes.contains(fs::weakly_canonical(target.archive, code)))
+            return usage("--out " + target.archive.string() + " would be written over the mesh");
     const bool to_folder = targets.size() > 1 || targets.front().archive != request.out;
     if (to_folder && !fs::create_directories(request.out, code) && code)
         return failed(request.out.string(), "the folder cannot be made: " + code.message());
@@ -141,14 +148,24 @@ Status check_targets(const BuildRequest& request, const std::vector<BuildTarget>
     return Done{};
 }
 
-bool is_current(const BuildTarget& target, const ImportedMesh& imported, const BuildPlan& plan) {
+/// Whether the archive is there, made by this compiler with these options from a source of this hash.
+bool is_current(const BuildTarget& target, const BuildPlan& plan, const std::string& sha256, BuildOutcome& outcome) {
     std::error_code code;
     if (!fs::exists(target.archive, code)) return false;
     const auto archive = Archive::open(target.archive, Section::Meta);
     if (!archive) return false;
-    const ObjectMeta& meta = archive->data().meta;
-    return meta.source_sha256 == imported.sha256 && meta.options == plan.options && meta.tool_version == kToolVersion &&
-           meta.source_name == target.mesh.filename().string();
+    outcome.meta = archive->data().meta;
+    outcome.bytes = archive->file_bytes();
+    return outcome.meta.source_sha256 == sha256 && outcome.meta.options == plan.options &&
+           outcome.meta.tool_version == kToolVersion && outcome.meta.source_name == target.mesh.filename().string();
+}
+
+/// The same without an import, where the record beside the archive allows that.
+bool is_current_by_record(const BuildTarget& target, const BuildPlan& plan, BuildOutcome& outcome) {
+    auto inputs = read_recorded_inputs(target.archive, target.mesh);
+    if (!inputs || !is_current(target, plan, inputs->sha256, outcome)) return false;
+    outcome.inputs = std::move(inputs->read);
+    return true;
 }
 
 void warn_of_import(BuildOutcome& outcome, const BuildPlan& plan, std::uint32_t dropped_by_rounding) {
@@ -188,21 +205,22 @@ void count_contents(const ObjectData& data, BuildOutcome& outcome) {
 /// The steps of build_target; the outcome's error and seconds are the caller's.
 Status build_into(BuildOutcome& outcome, const BuildPlan& plan, const CompileProgress& progress) {
     const BuildTarget& target = outcome.target;
+    outcome.unchanged = plan.if_changed && is_current_by_record(target, plan, outcome);
+    if (outcome.unchanged) return Done{};
     auto imported = import_mesh_contained(target.mesh, plan.import, plan.two_sided, plan.fix_winding);
     if (!imported) return imported.error();
     outcome.inputs = imported->files;
-    outcome.import = imported->report;
-    outcome.warnings = imported->report.warnings;
-    std::error_code code;
-    if (plan.if_changed && is_current(target, *imported, plan)) {
-        const auto archive = Archive::open(target.archive);
-        if (!archive) return archive.error();
-        warn_of_import(outcome, plan, 0);
-        count_contents(archive->data(), outcome);
-        outcome.unchanged = true;
-        outcome.bytes = archive->file_bytes();
+    const InputFiles inputs{imported->files, imported->report.absent};
+    outcome.unchanged = plan.if_changed && is_current(target, plan, imported->sha256, outcome);
+    if (outcome.unchanged) {
+        const DeferInterrupts until_written;
+        write_input_record(target.archive, inputs);
         return Done{};
     }
+    if (auto changed = change_materials(imported->mesh, plan.materials, plan.materials_place); !changed)
+        return changed.error();
+    outcome.import = imported->report;
+    outcome.warnings = imported->report.warnings;
     auto object = compile_object(imported->mesh, plan.compile, progress);
     if (!object) {
         Error error = object.error();
@@ -216,7 +234,9 @@ Status build_into(BuildOutcome& outcome, const BuildPlan& plan, const CompilePro
     count_contents(object->data, outcome);
     const DeferInterrupts until_written;
     if (const auto written = write_archive(object->data, target.archive); !written) return written.error();
+    std::error_code code;
     outcome.bytes = fs::file_size(target.archive, code);
+    if (plan.if_changed) write_input_record(target.archive, inputs);
     return Done{};
 }
 
@@ -241,6 +261,9 @@ nlohmann::ordered_json report_of(const BuildOutcome& o) {
     entry["state"] = o.unchanged ? "unchanged" : "written";
     entry["source_sha256"] = o.meta.source_sha256;
     entry["options"] = o.meta.options;
+    entry["seconds"] = o.seconds;
+    entry["object"] = {{"area", o.meta.area}, {"closed", o.meta.closed}, {"convex", o.meta.convex}, {"bytes", o.bytes}};
+    if (o.unchanged) return entry;
     entry["import"] = {{"source_triangles", r.source_triangles},
                        {"dropped_not_finite", r.dropped_not_finite},
                        {"dropped_degenerate", r.dropped_degenerate},
@@ -260,10 +283,11 @@ nlohmann::ordered_json report_of(const BuildOutcome& o) {
                        {"two_sided_triangles", r.two_sided_triangles},
                        {"winding_fixed", r.winding_fixed},
                        {"extent", {r.extent.x, r.extent.y, r.extent.z}}};
-    entry["object"] = {{"triangles", o.triangles}, {"faces", o.faces},        {"patches", o.patches},
-                       {"clusters", o.clusters},   {"volumes", o.volumes},    {"area", o.meta.area},
-                       {"closed", o.meta.closed},  {"convex", o.meta.convex}, {"bytes", o.bytes}};
-    entry["seconds"] = o.seconds;
+    entry["object"].update({{"triangles", o.triangles},
+                            {"faces", o.faces},
+                            {"patches", o.patches},
+                            {"clusters", o.clusters},
+                            {"volumes", o.volumes}});
     entry["warnings"] = o.warnings;
     return entry;
 }
@@ -285,26 +309,34 @@ BuildOutcome build_target(const BuildTarget& target, const BuildPlan& plan, cons
     const auto start = std::chrono::steady_clock::now();
     BuildOutcome outcome;
     outcome.target = target;
-    if (const auto built = build_into(outcome, plan, progress); !built) outcome.error = built.error();
+    try {
+        if (const auto built = build_into(outcome, plan, progress); !built) outcome.error = built.error();
+    } catch (const std::exception& exception) {  // out of memory: the other objects may be smaller
+        outcome.error = error_from_exception(exception);
+        if (outcome.error->where.empty()) outcome.error->where = target.mesh.string();
+    }
     outcome.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return outcome;
 }
 
 std::string summary_line(const BuildOutcome& o) {
     std::array<char, 256> text;
-    std::snprintf(text.data(), text.size(), ": %zu triangles, %zu faces, %zu patches, %s%s%.1f kB, %.2f s%s",
-                  o.triangles, o.faces, o.patches, o.meta.closed ? "closed, " : "open, ",
-                  o.meta.convex ? "convex, " : "", static_cast<double>(o.bytes) / 1000, o.seconds,
-                  o.unchanged ? " (unchanged)" : "");
+    if (o.unchanged)
+        std::snprintf(text.data(), text.size(), ": unchanged, %.1f kB", static_cast<double>(o.bytes) / 1000);
+    else
+        std::snprintf(text.data(), text.size(), ": %zu triangles, %zu faces, %zu patches, %s%s%.1f kB, %.2f s",
+                      o.triangles, o.faces, o.patches, o.meta.closed ? "closed, " : "open, ",
+                      o.meta.convex ? "convex, " : "", static_cast<double>(o.bytes) / 1000, o.seconds);
     return o.target.archive.string() + text.data();
 }
 
-std::string depfile_text(const std::vector<BuildOutcome>& outcomes) {
+std::string depfile_text(const std::vector<BuildOutcome>& outcomes, const fs::path& also) {
     std::string text;
     for (const BuildOutcome& o : outcomes) {
         if (o.error) continue;
         text += escaped_for_make(o.target.archive) + ":";
         for (const fs::path& input : o.inputs) text += " \\\n  " + escaped_for_make(input);
+        if (!also.empty()) text += " \\\n  " + escaped_for_make(also);
         text += "\n";
     }
     return text;

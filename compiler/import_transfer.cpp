@@ -45,6 +45,7 @@ void each_field(Stream& stream, auto& imported)
     stream(report.winding_fixed);
     stream(report.extent);
     stream(report.warnings);
+    stream(report.absent);
     stream(imported.sha256);
     stream(imported.files);
 }

@@ -6,6 +6,7 @@
 #include "compiler/archive_diff.h"
 #include "compiler/build_command.h"
 #include "compiler/inspect.h"
+#include "compiler/library_build.h"
 #include "format/archive_reader.h"
 #include "format/atomic_file.h"
 #include "format/parallel.h"
@@ -21,6 +22,7 @@ constexpr const char* kExamples =
     "Examples:\n"
     "  rro-compile build chair.obj --out chair.rro\n"
     "  rro-compile build meshes/*.glb --out library/ --unit cm --if-changed\n"
+    "  rro-compile library furniture.json --out library/\n"
     "  rro-compile inspect chair.rro --json\n"
     "  rro-compile inspect chair.rro --triangles chair.csv\n"
     "  rro-compile verify library/*.rro\n"
@@ -31,6 +33,7 @@ constexpr const char* kExamples =
 
 struct Arguments {
     BuildRequest build;
+    LibraryRequest library;
     std::vector<std::filesystem::path> archives;
     std::filesystem::path archive, other, triangles, extracted;
     std::string section;
@@ -42,6 +45,12 @@ void declare_common(CLI::App& command, Arguments& a) {
     command.add_flag("-q,--quiet", a.quiet, "Print errors only");
     command.add_flag("-v,--verbose", a.verbose, "Print settings and counts to stderr");
     command.footer(kExamples);
+}
+
+void declare_outputs(CLI::App& command, Arguments& a, std::filesystem::path& depfile, std::filesystem::path& report) {
+    command.add_option("--threads", a.threads, "Threads to use; 0: all cores")->type_name("N");
+    command.add_option("--depfile", depfile, "Makefile rules of all files read")->type_name("FILE");
+    command.add_option("--report", report, "What was imported and built, as JSON")->type_name("FILE.json");
 }
 
 void declare_build(CLI::App& build, Arguments& a) {
@@ -67,41 +76,69 @@ void declare_build(CLI::App& build, Arguments& a) {
     build.add_option("--up", r.up, "Up axis of the source: y or z")->type_name("AXIS")->capture_default_str();
     build.add_option("--reflectance", r.reflectance, "Where the source gives none")->type_name("R,G,B");
     build.add_option("--tables", r.tables, "Tables to store: default, all (for every node), or some of area,visibility,errors,hit,atlas,selflinks")->type_name("LIST")->capture_default_str();
-    build.add_option("--threads", a.threads, "Threads to use; 0: all cores")->type_name("N");
-    build.add_option("--depfile", r.depfile, "Makefile rules of all files read")->type_name("FILE");
-    build.add_option("--report", r.report, "What was imported and built, as JSON")->type_name("FILE.json");
+    declare_outputs(build, a, r.depfile, r.report);
     build.add_flag("--if-changed", r.if_changed,
                    "Leave archives alone that were made from the same source and options");
     declare_common(build, a);
 }
 
-int run_build(const Arguments& a) {
-    const auto plan = plan_build(a.build);
-    if (!plan) return report_error(kProgram, plan.error());
-    if (a.verbose) std::fprintf(stderr, "options: %s\n", plan->options.c_str());
+void declare_library(CLI::App& library, Arguments& a) {
+    LibraryRequest& r = a.library;
+    library.add_option("library", r.library, "The list of objects, \"rro-library/1\"")
+        ->required()
+        ->type_name("LIBRARY.json");
+    library.add_option("-o,--out", r.out, "The folder of the archives")->required()->type_name("DIR");
+    declare_outputs(library, a, r.depfile, r.report);
+    declare_common(library, a);
+}
+
+void print_outcome(const BuildOutcome& outcome, bool quiet) {
+    if (quiet) return;
+    for (const std::string& warning : outcome.warnings)
+        report_warning(kProgram, outcome.target.mesh.string() + ": " + warning);
+    if (outcome.error) return;
+    std::puts(summary_line(outcome).c_str());
+    std::fflush(stdout);  // an interrupt ends the program at once
+}
+
+/// Builds, prints, and writes depfile and report. A library's file is among the inputs of its archives.
+int run_plans(const Arguments& a, const std::vector<BuildPlan>& plans, const std::filesystem::path& depfile,
+              const std::filesystem::path& report, const std::filesystem::path& library = {}) {
     int code = 0;
-    std::vector<BuildOutcome> outcomes;
-    for (const BuildTarget& target : plan->targets) {
-        TerminalProgress progress(a.quiet);
-        const BuildOutcome& outcome = outcomes.emplace_back(build_target(target, *plan, progress.callback()));
+    TerminalProgress progress(a.quiet);
+    const auto done = [&](const BuildOutcome& outcome) {
         progress.clear();
-        if (!a.quiet)
-            for (const std::string& warning : outcome.warnings)
-                report_warning(kProgram, target.mesh.string() + ": " + warning);
-        if (outcome.error)
-            code = std::max(code, report_error(kProgram, *outcome.error));
-        else if (!a.quiet)
-            std::puts(summary_line(outcome).c_str());
-    }
+        print_outcome(outcome, a.quiet);
+        if (const auto& error = outcome.error)
+            code = std::max(code, report_error(kProgram, library.empty() ? *error : library_error(*error)));
+    };
+    const std::vector<BuildOutcome> outcomes = build_all(plans, {done, progress.callback()});
+    progress.clear();
     const auto write = [&](const std::filesystem::path& path, const std::string& text) {
         if (path.empty()) return;
         const DeferInterrupts until_written;
         if (const auto written = write_file_atomically(path, text); !written)
             code = std::max(code, report_error(kProgram, written.error()));
     };
-    write(a.build.depfile, depfile_text(outcomes));
-    write(a.build.report, build_report(outcomes));
+    write(depfile, depfile_text(outcomes, library));
+    write(report, build_report(outcomes));
     return code;
+}
+
+int run_build(const Arguments& a) {
+    auto plan = plan_build(a.build);
+    if (!plan) return report_error(kProgram, plan.error());
+    if (a.verbose) std::fprintf(stderr, "options: %s\n", plan->options.c_str());
+    return run_plans(a, {*std::move(plan)}, a.build.depfile, a.build.report);
+}
+
+int run_library(const Arguments& a) {
+    const auto plans = plan_library(a.library);
+    if (!plans) return report_error(kProgram, plans.error());
+    if (a.verbose)
+        for (const BuildPlan& plan : *plans)
+            std::fprintf(stderr, "%s: options: %s\n", plan.targets.front().archive.c_str(), plan.options.c_str());
+    return run_plans(a, *plans, a.library.depfile, a.library.report, a.library.library);
 }
 
 int run_inspect(const Arguments& a) {
@@ -159,6 +196,8 @@ int main_with(int argc, char** argv) {
     app.footer(kExamples);
     CLI::App* build = app.add_subcommand("build", "Compile meshes into archives");
     declare_build(*build, a);
+    CLI::App* library = app.add_subcommand("library", "Compile what has changed of a list of objects");
+    declare_library(*library, a);
     CLI::App* inspect = app.add_subcommand("inspect", "Show what an archive holds");
     inspect->add_option("archive", a.archive, "The archive")->required()->type_name("FILE.rro");
     inspect->add_flag("--json", a.json, "As JSON");
@@ -186,6 +225,7 @@ int main_with(int argc, char** argv) {
     }
     set_thread_count(a.threads);
     if (build->parsed()) return run_build(a);
+    if (library->parsed()) return run_library(a);
     if (inspect->parsed()) return run_inspect(a);
     if (diff->parsed()) return run_diff(a);
     return verify->parsed() ? run_verify(a) : run_extract(a);

@@ -37,10 +37,7 @@ struct Folder {
         if (!name.starts_with(prefix)) return {};
         return (static_cast<Folder*>(user)->path / name.substr(prefix.size())).string();
     }
-    static bool exists(const std::string& name, void*) {
-        std::error_code ignored;
-        return std::filesystem::is_regular_file(name, ignored);
-    }
+    static bool exists(const std::string& name, void* user) { return static_cast<Folder*>(user)->files->has(name); }
     static bool read(std::vector<unsigned char>* out, std::string* error, const std::string& name, void* user) {
         const auto bytes = static_cast<Folder*>(user)->files->read(name);
         if (!bytes) *error += bytes.error().message;

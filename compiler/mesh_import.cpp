@@ -329,8 +329,16 @@ std::uint64_t pixels_left(const SourceMesh& mesh, const ImportLimits& limits) {
     return std::min(limits.image_pixels, limits.texture_pixels - std::min(used, limits.texture_pixels));
 }
 
+bool SourceFiles::has(const std::filesystem::path& path) {
+    std::error_code ignored;
+    if (std::filesystem::is_regular_file(path, ignored)) return true;
+    if (!path.empty()) absent_.insert(path);
+    return false;
+}
+
 Result<std::string> SourceFiles::read(const std::filesystem::path& path) {
     std::error_code fault;
+    has(path);
     const auto status = std::filesystem::status(path, fault);
     if (!std::filesystem::exists(status)) return bad_input(path.string(), "no such file");
     if (std::filesystem::is_directory(status)) return bad_input(path.string(), "found a folder, expected a file");
@@ -385,6 +393,7 @@ Result<ImportedMesh> import_mesh(const std::filesystem::path& path, const Import
     mesh.source_triangles = report.source_triangles;
     imported.sha256 = sha256_hex(std::as_bytes(std::span(files.bytes())));
     imported.files = files.paths();
+    report.absent.assign(files.absent().begin(), files.absent().end());
     return imported;
 }
 

@@ -53,6 +53,7 @@ struct ImportReport {
     std::uint32_t winding_fixed = 0;           // triangles turned by --fix-winding
     Vec3 extent;                               // of what is kept, metres
     std::vector<std::string> warnings;
+    std::vector<std::filesystem::path> absent;  // files looked for in vain; with them the mesh may be another
 };
 
 struct ImportedMesh {

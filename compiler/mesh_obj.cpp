@@ -265,8 +265,7 @@ std::optional<std::uint32_t> ObjReader::texture_of(const std::string& name) {
     for (char& c : portable)
         if (c == '\\') c = '/';
     std::filesystem::path file = library_folder_ / portable;
-    std::error_code ignored;
-    if (!std::filesystem::exists(file, ignored)) file = library_folder_ / std::filesystem::path(portable).filename();
+    if (!files_.has(file)) file = library_folder_ / std::filesystem::path(portable).filename();
     const auto bytes = files_.read(file);
     auto texture = bytes ? decode_texture(*bytes, pixels_left(mesh_, files_.limits())) : bytes.error();
     if (!texture) {
@@ -287,9 +286,8 @@ bool ObjReader::read_library(const std::string& name) {
     // One name with blanks in it is more common than several names.
     const std::string_view text = trimmed(statement_.text());
     std::filesystem::path file = path_.parent_path() / std::string(trimmed(text.substr(6)));
-    std::error_code ignored;
-    if (!std::filesystem::is_regular_file(file, ignored)) file = path_.parent_path() / name;
-    if (!std::filesystem::is_regular_file(file, ignored)) {
+    if (!files_.has(file)) file = path_.parent_path() / name;
+    if (!files_.has(file)) {
         mesh_.warnings.push_back(here() + ": material file " + in_quotes(name) +
                                  " is missing");
         return false;

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -68,7 +69,7 @@ inline void leave_out_texture(SourceMesh& mesh, const std::string& which, const 
 /// Pixels that the next texture of a mesh may have.
 std::uint64_t pixels_left(const SourceMesh& mesh, const ImportLimits& limits);
 
-/// Every file read so far, in order of first use.
+/// Every file read so far, in order of first use, and those looked for in vain.
 class SourceFiles {
   public:
     explicit SourceFiles(const ImportLimits& limits) : limits_(limits) {}
@@ -78,14 +79,19 @@ class SourceFiles {
     /// errors   BadInput: missing, no regular file, not readable, beyond the limits
     Result<std::string> read(const std::filesystem::path& path);
 
+    /// Whether there is such a file to read; noted as absent if not, as another import may find it.
+    bool has(const std::filesystem::path& path);
+
     const ImportLimits& limits() const { return limits_; }
 
     const std::vector<std::filesystem::path>& paths() const { return paths_; }
+    const std::set<std::filesystem::path>& absent() const { return absent_; }
     const std::string& bytes() const { return bytes_; }
 
   private:
     ImportLimits limits_;
     std::vector<std::filesystem::path> paths_;
+    std::set<std::filesystem::path> absent_;
     std::string bytes_;
     std::uint64_t reads_ = 0, bytes_read_ = 0;
 };

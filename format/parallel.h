@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
+#include <span>
 
 namespace rro {
 
@@ -22,5 +24,11 @@ void parallel_for(std::size_t count, std::size_t grain, const Body& body) {
         for (std::size_t i = begin; i < end; ++i) body(i);
     });
 }
+
+/// Calls body(i) for every i below weights.size(), begun in about that order: large jobs that are parallel inside as
+/// well. At most one per thread is under way, and no more than weigh `budget` together (one alone may weigh more). A
+/// thread that waits inside a job helps with that job only. Bodies must not throw.
+void parallel_jobs(std::span<const std::uint64_t> weights, std::uint64_t budget,
+                   const std::function<void(std::size_t)>& body);
 
 }  // namespace rro

@@ -2,7 +2,7 @@
 """A living room of ready-made furniture (Debian's sweethome3d-furniture). Used by furniture_room.sh.
 
   furniture_room.py extract CATALOGUES DIR   takes the models out of the .sh3f files (zips) into DIR/meshes/NAME/
-  furniture_room.py list                     prints NAME and mesh file of each model, relative to DIR/meshes
+  furniture_room.py library DIR              writes DIR/library.json, the list of the models for rro-compile library
   furniture_room.py manifest DIR             writes DIR/scene.json; archives are in DIR/library and samples/library
 
 The models are in centimetres, y up, fronts towards +z, and lie anywhere: their bounds decide where they are put.
@@ -85,6 +85,12 @@ def transform(low, high, x, z, floor, degrees, size):
     return {"translate": [round(t, 5) for t in translate], "rotate": {"axis": [0, 1, 0], "degrees": degrees}, "scale": size}
 
 
+def library(target):
+    objects = [{"name": name, "mesh": f"meshes/{name}/{Path(mesh).name}"} for name, (_, mesh) in MODELS.items()]
+    document = {"format": "rro-library/1", "defaults": {"unit": "cm"}, "objects": objects}
+    (target / "library.json").write_text(json.dumps(document, indent=2) + "\n")
+
+
 def manifest(target):
     own = os.path.relpath(SAMPLES / "library", target)
     box = {name: bounds(target / "meshes" / name / Path(mesh).name) for name, (_, mesh) in MODELS.items()}
@@ -111,9 +117,8 @@ def manifest(target):
 def main(arguments):
     if len(arguments) == 3 and arguments[0] == "extract":
         extract(Path(arguments[1]), Path(arguments[2]))
-    elif arguments == ["list"]:
-        for name, (_, mesh) in MODELS.items():
-            print(name, f"{name}/{Path(mesh).name}")
+    elif len(arguments) == 2 and arguments[0] == "library":
+        library(Path(arguments[1]))
     elif len(arguments) == 2 and arguments[0] == "manifest":
         manifest(Path(arguments[1]).resolve())
     else:

@@ -13,7 +13,7 @@ if [ ! -x "$programs/rro-solve" ] || [ ! -x "$programs/rro-compile" ]; then
     echo "furniture_room.sh: run samples/quickstart.sh first; it builds the programs" >&2
     exit 2
 fi
-mkdir -p "$work/library"
+mkdir -p "$work"
 
 # Installed if that is possible, else unpacked beside the results, which needs no rights.
 if [ ! -d "$catalogues" ] && ! install_missing sweethome3d-furniture; then
@@ -27,10 +27,9 @@ fi
 python3 samples/furniture_room.py extract "$catalogues" "$work"
 
 started=$SECONDS
-samples/compile_library.sh "$programs/rro-compile"
-python3 samples/furniture_room.py list | while read -r name mesh; do
-    "$programs/rro-compile" build "$work/meshes/$mesh" --out "$work/library/$name.rro" --unit cm --if-changed
-done
+"$programs/rro-compile" library samples/library.json --out samples/library
+python3 samples/furniture_room.py library "$work"
+"$programs/rro-compile" library "$work/library.json" --out "$work/library"
 python3 samples/furniture_room.py manifest "$work"
 compiled=$SECONDS
 

@@ -14,7 +14,7 @@ programs=build/release/bin
 
 echo "Compiling the sample objects"
 started=$SECONDS
-samples/compile_library.sh "$programs/rro-compile"
+"$programs/rro-compile" library samples/library.json --out samples/library
 compiled=$SECONDS
 
 echo "Solving the room"

@@ -15,9 +15,17 @@ std::atomic<int> deferring{0};
 std::atomic<bool> interrupted{false};
 static_assert(std::atomic<int>::is_always_lock_free && std::atomic<bool>::is_always_lock_free);
 
+/// Of this thread; one that holds the end back already must not wait for it.
+thread_local int depth = 0;
+
+// Both sides write before they look, so that no file is begun between a handler's look and its end of the program.
 void handle(int) {
-    if (deferring == 0) _exit(kInterrupted);
     interrupted = true;
+    if (deferring == 0) _exit(kInterrupted);
+}
+
+void stop_deferring() {
+    if (--deferring == 0 && interrupted) _exit(kInterrupted);
 }
 
 }  // namespace
@@ -32,10 +40,15 @@ void end_on_interrupt() {
 
 DeferInterrupts::DeferInterrupts() {
     ++deferring;
+    if (++depth > 1 || !interrupted) return;
+    // Too late to begin: whoever of the other threads is last to finish its file ends the program.
+    stop_deferring();
+    for (;;) pause();
 }
 
 DeferInterrupts::~DeferInterrupts() {
-    if (--deferring == 0 && interrupted) _exit(kInterrupted);
+    --depth;
+    stop_deferring();
 }
 
 }  // namespace rro

@@ -7,7 +7,8 @@ namespace rro {
 /// it goes. Call once, from main.
 void end_on_interrupt();
 
-/// Put around the writing of a file, so that its temporary file is gone before the program is.
+/// Put around the writing of a file, so that its temporary file is gone before the program is. Any number of threads
+/// may; once the signal has come, none begins another.
 class DeferInterrupts {
   public:
     DeferInterrupts();

@@ -1,5 +1,6 @@
 #include "format/parallel.h"
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <mutex>
@@ -67,4 +68,40 @@ TEST_CASE("one thread means one thread", "[parallel]") {
     CHECK(most == 1);
     set_thread_count(0);
     CHECK(thread_count() >= 1);
+}
+
+TEST_CASE("every job runs once, no more at once than threads and budget allow", "[parallel]") {
+    const std::vector<std::uint64_t> weights{5, 1, 1, 9, 2, 2, 2, 2, 1, 30, 1, 1};
+    constexpr std::uint64_t budget = 6;
+    for (const unsigned threads : {1u, 4u}) {
+        set_thread_count(threads);
+        std::vector<int> runs(weights.size(), 0);
+        std::vector<double> sums(weights.size(), 0);
+        std::mutex mutex;
+        std::size_t running = 0, most_running = 0;
+        std::uint64_t weight = 0;
+        bool over_budget = false;
+        parallel_jobs(weights, budget, [&](std::size_t job) {
+            {
+                const std::lock_guard lock(mutex);
+                weight += weights[job];
+                most_running = std::max(most_running, ++running);
+                over_budget = over_budget || (running > 1 && weight > budget);
+            }
+            // A thread that waits here must not begin another job: `running` would count it.
+            std::atomic<int> inner{0};
+            parallel_for(100, 1, [&](std::size_t) { ++inner; });
+            ++runs[job];
+            sums[job] = inner;
+            const std::lock_guard lock(mutex);
+            --running;
+            weight -= weights[job];
+        });
+        CHECK(runs == std::vector<int>(weights.size(), 1));
+        CHECK(sums == std::vector<double>(weights.size(), 100));
+        CHECK(most_running <= threads);
+        CHECK(!over_budget);
+    }
+    set_thread_count(0);
+    parallel_jobs({}, budget, [](std::size_t) { FAIL("there is no job"); });
 }
