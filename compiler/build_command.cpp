@@ -32,18 +32,21 @@ Error usage(std::string message, std::string hint = {}) {
     return {ErrorKind::Usage, "", std::move(message), std::move(hint)};
 }
 
-Result<Vec3> parse_reflectance(const std::string& text) {
-    const Error wrong = usage("--reflectance " + text + ": expected r,g,b, each at least 0 and below 1");
-    Vec3 value;
+/// N numbers with commas between them, in [0, below).
+template <std::size_t N>
+Result<std::array<double, N>> parse_numbers(const std::string& option, const std::string& text, double below,
+                                            const std::string& expected) {
+    const Error wrong = usage(option + " " + text + ": expected " + expected);
+    std::array<double, N> values{};
     const char *at = text.data(), *end = text.data() + text.size();
-    for (int channel = 0; channel < 3; ++channel) {
-        if (channel > 0 && (at == end || *at++ != ',')) return wrong;
-        const auto [next, code] = std::from_chars(at, end, value[channel]);
-        if (code != std::errc{} || !(value[channel] >= 0 && value[channel] < 1)) return wrong;
+    for (std::size_t k = 0; k < N; ++k) {
+        if (k > 0 && (at == end || *at++ != ',')) return wrong;
+        const auto [next, code] = std::from_chars(at, end, values[k]);
+        if (code != std::errc{} || !(values[k] >= 0 && values[k] < below)) return wrong;
         at = next;
     }
     if (at != end) return wrong;
-    return value;
+    return values;
 }
 
 /// The value that belongs to a word, or what the words are.
@@ -72,9 +75,15 @@ Status set_options(const BuildRequest& request, BuildPlan& plan) {
     const auto tables = parse_tables(request.tables);
     if (!tables) return tables.error();
     if (!request.reflectance.empty()) {
-        const auto reflectance = parse_reflectance(request.reflectance);
-        if (!reflectance) return reflectance.error();
-        plan.import.reflectance = *reflectance;
+        const auto rgb = parse_numbers<3>("--reflectance", request.reflectance, 1, "r,g,b, each at least 0 and below 1");
+        if (!rgb) return rgb.error();
+        plan.import.reflectance = Vec3{(*rgb)[0], (*rgb)[1], (*rgb)[2]};
+    }
+    if (!request.cluster_weights.empty()) {
+        const auto w = parse_numbers<5>("--cluster-weights", request.cluster_weights, 1e6,
+                                        "proximity,orientation,reflectivity,aspect,size, each from 0 to below 1e6");
+        if (!w) return w.error();
+        plan.compile.cluster_weights = {(*w)[0], (*w)[1], (*w)[2], (*w)[3], (*w)[4]};
     }
     plan.materials = request.materials;
     plan.materials_place = request.materials_place;
@@ -90,7 +99,7 @@ Status set_options(const BuildRequest& request, BuildPlan& plan) {
 }
 
 std::string canonical_options(const BuildRequest& request, const BuildPlan& plan) {
-    const ClusterWeights weights;
+    const ClusterWeights& weights = plan.compile.cluster_weights;
     std::string reflectance = "none";
     if (const auto& r = plan.import.reflectance)
         reflectance = shortest(r->x) + "," + shortest(r->y) + "," + shortest(r->z);
@@ -100,7 +109,7 @@ std::string canonical_options(const BuildRequest& request, const BuildPlan& plan
            " table_version=" + std::to_string(kTableVersion) +
            " image=" + std::to_string(plan.compile.image_resolution) + " patch_area=1/" +
            shortest(plan.compile.patch_area_divisor) + " patch_cone=" + shortest(plan.compile.patch_cone_cosine) +
-           " weights=orientation:" + shortest(weights.orientation) + ",reflectivity:" + shortest(weights.reflectivity) +
+           " weights=proximity:" + shortest(weights.proximity) + ",orientation:" + shortest(weights.orientation) + ",reflectivity:" + shortest(weights.reflectivity) +
            ",aspect:" + shortest(weights.aspect) + ",size:" + shortest(weights.size) +
            (plan.materials.empty() ? "" : " materials=" + canonical_text(plan.materials));
 }

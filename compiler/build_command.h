@@ -24,6 +24,7 @@ struct BuildRequest {
     std::string unit = "m";   // cm, mm, in
     std::string up = "y";     // z
     std::string reflectance;  // "r,g,b", or empty
+    std::string cluster_weights;  // "proximity,orientation,reflectivity,aspect,size", or empty for the defaults
     std::string tables = "default";
     std::filesystem::path depfile, report;  // empty: none
     bool if_changed = false;

@@ -34,7 +34,7 @@ double pair_cost(const ClusterSummary& a, const ClusterSummary& b, const Cluster
     const double aspect = edges[2] > 0 ? 1 - edges[1] / edges[2] : 0;
     const double size = 1 - std::min(a.area, b.area) / std::max(a.area, b.area);
     return 0.25 * length2(extent) *
-           (1 + weights.orientation * orientation + weights.reflectivity * reflectivity + weights.aspect * aspect +
+           (weights.proximity + weights.orientation * orientation + weights.reflectivity * reflectivity + weights.aspect * aspect +
             weights.size * size);
 }
 

@@ -18,11 +18,13 @@ struct ClusterSummary {
 };
 
 /// The paper's five factors. The cost of a pair is
-///     r^2 (1 + orientation (1 - |sum of area vectors| / area) + reflectivity |difference of mean reflectances|
+///     r^2 (proximity + orientation (1 - |sum of area vectors| / area) + reflectivity |difference of mean reflectances|
 ///            + aspect (1 - second / largest extent) + size (1 - smaller / larger area)),
-/// r = half the diagonal of the common box: proximity dominates, because a small radius for its area is what lets a
-/// cluster stand for its patches from nearby; the others, each in [0, 1], decide between near candidates.
+/// r = half the diagonal of the common box: nearness counts in any case, because a small radius for its area is what lets
+/// a cluster stand for its patches from nearby; the others, each in [0, 1], decide between near candidates. The larger
+/// the weight of proximity, the less they do. tests/bench/README.md has what was measured for these defaults.
 struct ClusterWeights {
+    double proximity = 1;
     double orientation = 1;
     double reflectivity = 0.5;
     double aspect = 0.25;

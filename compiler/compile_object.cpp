@@ -4,7 +4,6 @@
 #include <cassert>
 #include <utility>
 
-#include "compiler/cluster_tree.h"
 #include "compiler/convexity.h"
 #include "compiler/effective_area.h"
 #include "compiler/hit_probability.h"
@@ -146,7 +145,7 @@ Result<CompiledObject> compile_object(const Mesh& mesh, const CompileOptions& op
     const PatchGroups patches = make_patches(surface, limits);
 
     report("clusters", 0.15);
-    const ClusterTree clusters = build_cluster_tree(summarise_patches(surface, patches), ClusterWeights{});
+    const ClusterTree clusters = build_cluster_tree(summarise_patches(surface, patches), options.cluster_weights);
     lay_out_object(surface, patches, clusters, object);
 
     report("volumes", 0.25);

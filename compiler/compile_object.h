@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "compiler/cluster_tree.h"
 #include "compiler/mesh.h"
 #include "compiler/table_choice.h"
 #include "format/object_data.h"
@@ -21,6 +22,7 @@ struct CompileOptions {
     std::uint32_t image_resolution = 256;  // pixels along each direction image
     double patch_area_divisor = 2000;      // a patch holds at most object area / this
     double patch_cone_cosine = 0.8;        // smallest cosine between a patch's mean normal and its faces'
+    ClusterWeights cluster_weights;
     TableChoice tables;
 };
 

@@ -73,6 +73,7 @@ BuildRequest request_for(const json& object, const json& defaults, const std::st
     r.unit = options.value("unit", r.unit);
     r.up = options.value("up", r.up);
     if (options.contains("reflectance")) r.reflectance = to_triple(options["reflectance"]);
+    r.cluster_weights = options.value("cluster_weights", r.cluster_weights);
     r.tables = options.value("tables", r.tables);
     r.if_changed = true;
     if (object.contains("materials")) r.materials = read_materials(object["materials"]);

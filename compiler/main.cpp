@@ -75,6 +75,9 @@ void declare_build(CLI::App& build, Arguments& a) {
     build.add_option("--unit", r.unit, "Unit of the source: m, cm, mm or in")->type_name("UNIT")->capture_default_str();
     build.add_option("--up", r.up, "Up axis of the source: y or z")->type_name("AXIS")->capture_default_str();
     build.add_option("--reflectance", r.reflectance, "Where the source gives none")->type_name("R,G,B");
+    build.add_option("--cluster-weights", r.cluster_weights,
+                     "What makes clusters alike: proximity, orientation, reflectivity, aspect, size")
+        ->type_name("P,O,R,A,S");
     build.add_option("--tables", r.tables, "Tables to store: default, all (for every node), or some of area,visibility,errors,hit,atlas,selflinks")->type_name("LIST")->capture_default_str();
     declare_outputs(build, a, r.depfile, r.report);
     build.add_flag("--if-changed", r.if_changed,

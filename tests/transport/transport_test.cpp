@@ -138,6 +138,63 @@ TEST_CASE("a furnished room agrees with the reference", "[transport]") {
     }
 }
 
+namespace {
+
+/// A cupboard without doors: back, sides, bottom, top and two boards, both sides of each; 1.2 m wide, 2 m high, 0.4 m deep.
+Mesh make_shelf(int divisions) {
+    Mesh shelf = empty_mesh(false);
+    const Vec3 width{1.2, 0, 0}, height{0, 2, 0}, depth{0, 0, 0.4};
+    add_parallelogram(shelf, {-0.6, 0, 0}, width, height, divisions, true);
+    for (const double x : {-0.6, 0.6}) add_parallelogram(shelf, {x, 0, 0}, depth, height, divisions, true);
+    for (const double y : {0.0, 0.6, 1.2, 2.0}) add_parallelogram(shelf, {-0.6, y, 0}, depth, width, divisions, true);
+    return shelf;
+}
+
+/// A seat under a back, both 0.05 m thick.
+Mesh make_seat(int divisions) {
+    return merged(make_box(0.5, 0.05, 0.5, divisions, {0, 0.45, 0}), make_box(0.5, 0.6, 0.05, divisions, {0, 0.78, -0.226}));
+}
+
+}  // namespace
+
+TEST_CASE("the inside of deep objects agrees with the reference", "[transport]") {
+    Affine3 lamp = translation({0.4, 2.6, 1.6});
+    lamp.linear = kUpsideDown;
+    const Placed light{make_quad(0.3, 0.3), lamp, {0, 0, 0}, {100, 100, 100}, "lamp"};
+    Affine3 stretched = {};
+    stretched.linear.rows[0] = {1.5, 0.3, 0};  // no similarity: exchange areas do not scale
+    const Mesh shelf = make_shelf(8);
+    struct Case {
+        std::string what;
+        std::vector<Placed> placed;
+    };
+    const std::vector<Case> cases{
+        {"a shelf", {{shelf, {}, {0.7, 0.7, 0.7}, {}, "shelf"}, light}},
+        {"a shelf that holds a ball, which stands between its walls",
+         {{shelf, {}, {0.7, 0.7, 0.7}, {}, "shelf"},
+          {make_sphere(3, 0.15, {0.1, 0.76, 0.2}), {}, {0.5, 0.5, 0.5}, {}, "ball"},
+          light}},
+        {"a shelf drawn out and sheared", {{shelf, stretched, {0.7, 0.7, 0.7}, {}, "shelf"}, light}},
+        {"a seat under its back", {{make_seat(8), {}, {0.7, 0.7, 0.7}, {}, "seat"}, light}},
+    };
+    for (const Case& c : cases) {
+        const Scene scene = make_scene(c.placed);
+        ReferenceOptions reference;
+        reference.samples = 256;
+        const auto truth = solve_reference(scene, reference);
+        REQUIRE(truth);
+        const double noise = truth->estimated_error;
+        for (const double accuracy : {0.1, 0.05}) {
+            const Solution s = solve(scene, accuracy);
+            const double error = std::sqrt(std::max(0.0, std::pow(difference(scene, s, *truth), 2) - noise * noise));
+            INFO(c.what << ": asked " << accuracy << ", error " << error << ", reference noise " << noise << ", links "
+                        << s.links.total() << ", of them within objects " << s.links.self << ", rays " << s.rays);
+            CHECK(s.links.self > 0);
+            CHECK(error <= 1.5 * accuracy);
+        }
+    }
+}
+
 TEST_CASE("effects that are switched off do not light anything", "[transport]") {
     const Scene scene = furnished_room();
     const auto without = [&](const char* effect) {
