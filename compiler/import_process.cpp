@@ -109,7 +109,7 @@ rlim_t mapped_bytes() {
 
 void confine(const ContainmentLimits& limits, pid_t parent) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (getppid() != parent) _exit(kNotWritten);  // it went before it could be told apart
+    if (getppid() != parent) _exit(kNotWritten);                              // it went before it could be told apart
     for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, SIG_IGN);  // the parent's to decide
     for (const int signal : {SIGALRM, SIGXCPU}) std::signal(signal, SIG_DFL);
     sigset_t none;

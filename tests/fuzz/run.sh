@@ -40,7 +40,7 @@ export ASAN_OPTIONS=malloc_context_size=4:quarantine_size_mb=16
 # The largest file: what each format can say in it, and no more, as short inputs run faster.
 declare -A most_bytes=([archive_fuzz]=16384 [section_fuzz]=4096 [mesh_fuzz]=8192 [manifest_fuzz]=4096)
 # Of a check: ten seconds or less on an idle core.
-declare -A check_runs=([archive_fuzz]=20000 [section_fuzz]=200000 [mesh_fuzz]=20000 [manifest_fuzz]=20000)
+declare -A check_runs=([archive_fuzz]=15000 [section_fuzz]=200000 [mesh_fuzz]=15000 [manifest_fuzz]=15000)
 status=0
 summary=()
 for target in "${targets[@]}"; do
