@@ -150,8 +150,10 @@ Error stopped(const std::string& where, int signal, const ContainmentLimits& lim
 Error out_of_memory(const std::string& where, const ContainmentLimits& limits) {
     std::array<char, 32> gib;
     std::snprintf(gib.data(), gib.size(), "%.3g", static_cast<double>(limits.memory_bytes) / (1 << 30));
-    return bad_input(where, "reading it needed more than " + std::string(gib.data()) + " GiB of memory",
-                     "split the mesh into several objects");
+    return bad_input(
+        where,
+        "reading it needed more memory than there is, or than the " + std::string(gib.data()) + " GiB it may have",
+        "split the mesh into several objects, or raise the address-space limit (ulimit -v) if there is one");
 }
 
 }  // namespace

@@ -117,7 +117,7 @@ TEST_CASE("a contained function has the memory it may have, and no more", "[impo
     if (sanitized) return;  // not limited there
     const Error error = contained_error(taking(std::size_t{1} << 29), limits);
     CHECK(error.kind == ErrorKind::BadInput);
-    CHECK(has(error.message, "more than 0.25 GiB"));
+    CHECK(has(error.message, "than the 0.25 GiB"));
 }
 
 TEST_CASE("an exception in a contained function is an internal error with its text", "[import][process]") {
