@@ -109,7 +109,7 @@ rlim_t mapped_bytes() {
 
 void confine(const ContainmentLimits& limits, pid_t parent) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (getppid() != parent) _exit(kNotWritten);  // it went before it could be told apart
+    if (getppid() != parent) _exit(kNotWritten);                              // it went before it could be told apart
     for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, SIG_IGN);  // the parent's to decide
     for (const int signal : {SIGALRM, SIGXCPU}) std::signal(signal, SIG_DFL);
     sigset_t none;
@@ -150,8 +150,10 @@ Error stopped(const std::string& where, int signal, const ContainmentLimits& lim
 Error out_of_memory(const std::string& where, const ContainmentLimits& limits) {
     std::array<char, 32> gib;
     std::snprintf(gib.data(), gib.size(), "%.3g", static_cast<double>(limits.memory_bytes) / (1 << 30));
-    return bad_input(where, "reading it needed more than " + std::string(gib.data()) + " GiB of memory",
-                     "split the mesh into several objects");
+    return bad_input(
+        where,
+        "reading it needed more memory than there is, or than the " + std::string(gib.data()) + " GiB it may have",
+        "split the mesh into several objects, or raise the address-space limit (ulimit -v) if there is one");
 }
 
 }  // namespace

@@ -10,8 +10,9 @@ namespace {
 
 /// Calls stream(field) for every field: one list for both directions. T is a type, or a constant one to write from.
 template <class Stream>
-void each_field(Stream& stream, auto& imported)
-    requires requires { imported.mesh; }
+void each_field(Stream& stream, auto& imported) requires requires {
+    imported.mesh;
+}
 {
     auto& mesh = imported.mesh;
     stream(mesh.positions);
@@ -51,8 +52,9 @@ void each_field(Stream& stream, auto& imported)
 }
 
 template <class Stream>
-void each_field(Stream& stream, auto& error)
-    requires requires { error.hint; }
+void each_field(Stream& stream, auto& error) requires requires {
+    error.hint;
+}
 {
     stream(error.kind);
     stream(error.where);
@@ -61,8 +63,9 @@ void each_field(Stream& stream, auto& error)
 }
 
 template <class Stream>
-void each_field(Stream& stream, auto& material)
-    requires requires { material.exitance; }
+void each_field(Stream& stream, auto& material) requires requires {
+    material.exitance;
+}
 {
     stream(material.name);
     stream(material.reflectance);

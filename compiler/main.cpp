@@ -55,8 +55,12 @@ void declare_outputs(CLI::App& command, Arguments& a, std::filesystem::path& dep
 
 void declare_build(CLI::App& build, Arguments& a) {
     BuildRequest& r = a.build;
-    build.add_option("meshes", r.meshes, "Meshes: OBJ, PLY, OFF, STL, glTF or GLB; textures: PNG, JPEG or TGA. Each is read "
-                                        "in a process of its own, with at most 4 GiB and 300 s")->required()->type_name("MESH");
+    build
+        .add_option("meshes", r.meshes,
+                    "Meshes: OBJ, PLY, OFF, STL, glTF or GLB; textures: PNG, JPEG or TGA. Each mesh is read in a "
+                    "process of its own, with at most 4 GiB and 300 s")
+        ->required()
+        ->type_name("MESH");
     build.add_option("-o,--out", r.out, "The archive; a folder for several meshes")
         ->required()
         ->type_name("FILE.rro|DIR");

@@ -1,11 +1,14 @@
 // JPEG by libjpeg-turbo. It reports errors by longjmp: what it may jump out of (read_header, read_rows) has no objects
 // with destructors.
+
+// clang-format off
+#include <cstdio>  // first: jpeglib.h needs FILE
+#include <jpeglib.h>
+// clang-format on
+
 #include <array>
 #include <csetjmp>
-#include <cstdio>  // jpeglib.h needs FILE
 #include <string>
-
-#include <jpeglib.h>
 
 #include "compiler/mesh_image.h"
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <span>
 
@@ -27,54 +26,6 @@ constexpr double largest_extent = 1e15, smallest_extent = 1e-13;
 
 /// Distance from the origin over extent. Beyond it double coordinates resolve a shape to less than 1 in 10,000.
 constexpr double largest_distance = 1e11;
-
-/// Files that one mesh may consist of: far more than any has, and few enough to look one up among them.
-constexpr std::uint64_t most_reads = 4096;
-
-/// The format that the content begins like, as its ending; "" for OBJ and whatever else has no beginning of its own.
-std::string_view ending_of_content(std::string_view bytes) {
-    const std::size_t start = std::min(bytes.find_first_not_of(" \t\r\n"), bytes.size());
-    const std::string_view text = bytes.substr(start);
-    if (bytes.starts_with("glTF")) return ".glb";
-    if (text.starts_with("{")) return ".gltf";
-    if (bytes.starts_with("ply\n") || bytes.starts_with("ply\r")) return ".ply";
-    if (text.starts_with("solid")) return ".stl";
-    if (text.starts_with("OFF")) return ".off";
-    return "";
-}
-
-Result<SourceMesh> read_format(const std::filesystem::path& path, std::string_view ending, std::string_view bytes,
-                               SourceFiles& files) {
-    if (ending == ".obj") return read_obj(path, bytes, files);
-    if (ending == ".ply") return read_ply(path, bytes, files.limits());
-    if (ending == ".stl") return read_stl(path, bytes, files.limits());
-    if (ending == ".off") return read_off(path, bytes, files.limits());
-    return read_gltf(path, bytes, files);
-}
-
-Result<SourceMesh> read_source(const std::filesystem::path& path, SourceFiles& files) {
-    std::string ending = path.extension().string();
-    for (char& c : ending)
-        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-    if (ending != ".obj" && ending != ".gltf" && ending != ".glb" && ending != ".ply" && ending != ".stl" &&
-        ending != ".off")
-        return bad_input(path.string(),
-                         "found the ending " + in_quotes(ending) + ", expected .obj, .gltf, .glb, .ply, .stl or .off",
-                         "the ending tells the format");
-    const auto content = files.read(path);
-    if (!content) return content.error();
-    std::string_view bytes = *content;
-    if (bytes.empty()) return bad_input(path.string(), "the file is empty");
-    bytes = without_mark(bytes);
-    auto source = read_format(path, ending, bytes, files);
-    const std::string_view likely = ending_of_content(bytes);
-    const bool is_gltf = ending.starts_with(".gl") && likely.starts_with(".gl");
-    const bool is_other = !likely.empty() && likely != ending && !is_gltf;
-    const std::string hint = "the content begins like that of a " + std::string(likely) + " file: rename it";
-    if (is_other && !source) return bad_input(source.error().where, source.error().message, hint);
-    if (is_other && source->face_end.empty()) return bad_input(path.string(), "the file has no faces", hint);
-    return source;
-}
 
 std::string place_of_face(const SourceMesh& source, std::size_t face, const std::filesystem::path& path) {
     return source.face_line.empty() ? path.string() + ": face " + std::to_string(face)
@@ -322,49 +273,6 @@ Error nothing_left(const std::filesystem::path& path, const ImportReport& report
 }
 
 }  // namespace
-
-std::uint64_t pixels_left(const SourceMesh& mesh, const ImportLimits& limits) {
-    std::uint64_t used = 0;
-    for (const Texture& texture : mesh.textures) used += std::uint64_t{texture.width} * texture.height;
-    return std::min(limits.image_pixels, limits.texture_pixels - std::min(used, limits.texture_pixels));
-}
-
-bool SourceFiles::has(const std::filesystem::path& path) {
-    std::error_code ignored;
-    if (std::filesystem::is_regular_file(path, ignored)) return true;
-    if (!path.empty()) absent_.insert(path);
-    return false;
-}
-
-Result<std::string> SourceFiles::read(const std::filesystem::path& path) {
-    std::error_code fault;
-    has(path);
-    const auto status = std::filesystem::status(path, fault);
-    if (!std::filesystem::exists(status)) return bad_input(path.string(), "no such file");
-    if (std::filesystem::is_directory(status)) return bad_input(path.string(), "found a folder, expected a file");
-    // A pipe may never end, and a device neither.
-    if (!std::filesystem::is_regular_file(status))
-        return bad_input(path.string(), "found a pipe or a device, expected a file");
-    const std::uint64_t size = std::filesystem::file_size(path, fault);
-    if (fault) return bad_input(path.string(), "the file cannot be read");
-    if (size > limits_.file_bytes - bytes_read_ || reads_ == most_reads)
-        return bad_input(path.string(), "found " + std::to_string(size) + " bytes, after " +
-                                            std::to_string(bytes_read_) + " of " + std::to_string(reads_) +
-                                            " files, expected a mesh of at most " + std::to_string(limits_.file_bytes) +
-                                            " bytes in " + std::to_string(most_reads) + " files");
-    bytes_read_ += size;
-    ++reads_;
-    std::ifstream stream(path, std::ios::binary);
-    std::string content(size, '\0');
-    stream.read(content.data(), static_cast<std::streamsize>(size));
-    if (!stream.is_open() || stream.bad()) return bad_input(path.string(), "the file cannot be read");
-    content.resize(static_cast<std::size_t>(stream.gcount()));
-    if (std::find(paths_.begin(), paths_.end(), path) == paths_.end()) {
-        paths_.push_back(path);
-        bytes_ += content;
-    }
-    return content;
-}
 
 Result<ImportedMesh> import_mesh(const std::filesystem::path& path, const ImportOptions& options) {
     assert(options.unit > 0);

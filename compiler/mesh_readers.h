@@ -96,6 +96,11 @@ class SourceFiles {
     std::uint64_t reads_ = 0, bytes_read_ = 0;
 };
 
+/// The polygons of a mesh file, by the reader that its ending calls for.
+///
+/// errors   BadInput: an unknown ending, an empty file, and those of the readers
+Result<SourceMesh> read_source(const std::filesystem::path& path, SourceFiles& files);
+
 /// One reader per format. `bytes` is the content of `path`, without a byte order mark; other files come through
 /// `files`.
 ///

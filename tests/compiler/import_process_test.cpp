@@ -26,7 +26,9 @@ constexpr bool sanitized = true;
 constexpr bool sanitized = false;
 #endif
 
-bool has(const std::string& text, const std::string& part) { return text.find(part) != text.npos; }
+bool has(const std::string& text, const std::string& part) {
+    return text.find(part) != text.npos;
+}
 
 Error contained_error(const std::function<std::string()>& work, const ContainmentLimits& limits = {}) {
     const auto result = run_contained("a.obj", work, limits);
@@ -37,7 +39,9 @@ Error contained_error(const std::function<std::string()>& work, const Containmen
 }
 
 /// No child is left, running or dead.
-bool has_no_children() { return waitpid(-1, nullptr, WNOHANG) == -1 && errno == ECHILD; }
+bool has_no_children() {
+    return waitpid(-1, nullptr, WNOHANG) == -1 && errno == ECHILD;
+}
 
 /// Two triangles with two materials, one of them textured; nothing is empty that could be filled.
 ImportedMesh filled() {
@@ -113,7 +117,7 @@ TEST_CASE("a contained function has the memory it may have, and no more", "[impo
     if (sanitized) return;  // not limited there
     const Error error = contained_error(taking(std::size_t{1} << 29), limits);
     CHECK(error.kind == ErrorKind::BadInput);
-    CHECK(has(error.message, "more than 0.25 GiB"));
+    CHECK(has(error.message, "than the 0.25 GiB"));
 }
 
 TEST_CASE("an exception in a contained function is an internal error with its text", "[import][process]") {
@@ -123,29 +127,28 @@ TEST_CASE("an exception in a contained function is an internal error with its te
 }
 
 TEST_CASE("a contained function ignores Ctrl-C, but does not outlive its caller", "[import][process]") {
-    CHECK(*run_contained(
-              "",
-              [] {
-                  std::raise(SIGINT);
-                  std::raise(SIGTERM);
-                  return std::string("still here");
-              },
-              {}) == "still here");
+    CHECK(*run_contained("",
+                         [] {
+                             std::raise(SIGINT);
+                             std::raise(SIGTERM);
+                             return std::string("still here");
+                         },
+                         {}) == "still here");
     // A process in between: it waits for a child that never ends, and is killed.
     int ends[2];
     REQUIRE(pipe(ends) == 0);
     const pid_t between = fork();
     if (between == 0) {
         dup2(ends[1], STDIN_FILENO);  // the standard streams are all that a contained function has of its caller's
-        const auto ignored = run_contained(
-            "",
-            [] {
-                const pid_t self = getpid();
-                const bool written = write(STDIN_FILENO, &self, sizeof self) == sizeof self;
-                for (; written;) pause();
-                return std::string();
-            },
-            {});
+        const auto ignored = run_contained("",
+                                           [] {
+                                               const pid_t self = getpid();
+                                               const bool written =
+                                                   write(STDIN_FILENO, &self, sizeof self) == sizeof self;
+                                               for (; written;) pause();
+                                               return std::string();
+                                           },
+                                           {});
         _exit(ignored ? 0 : 1);
     }
     pid_t child = 0;
@@ -169,8 +172,8 @@ TEST_CASE("meshes are imported in contained processes from several threads at on
             for (int i = 0; i < 10; ++i) {
                 const auto a = import_mesh_contained(folder / "a.obj", {}, TwoSided::Auto, false);
                 const auto b = import_mesh_contained(folder / "b.obj", {}, TwoSided::Auto, false);
-                count += a && a->mesh.two_sided == std::vector<std::uint8_t>{1} && !b &&
-                         has(b.error().where, "b.obj:2");
+                count +=
+                    a && a->mesh.two_sided == std::vector<std::uint8_t>{1} && !b && has(b.error().where, "b.obj:2");
             }
         });
     for (std::thread& thread : threads) thread.join();

@@ -18,7 +18,8 @@ std::string gltf_with(const std::string& buffer, const std::string& more = {}) {
            R"("accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}]})";
 }
 
-const std::string inside = R"("uri":"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA",)";
+const std::string inside =
+    R"("uri":"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA",)";
 
 /// One triangle.
 struct Sample {
@@ -29,8 +30,9 @@ struct Sample {
 std::vector<Sample> samples() {
     const std::string facet =
         "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n";
-    const std::string ply = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
-                            "property float z\nelement face 1\nproperty list uchar int vertex_index\nend_header\n";
+    const std::string ply =
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+        "property float z\nelement face 1\nproperty list uchar int vertex_index\nend_header\n";
     std::string binary_ply = ply;
     binary_ply.replace(binary_ply.find("ascii"), 5, "binary_little_endian");
     return {{".obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"},
@@ -47,7 +49,8 @@ std::vector<Sample> samples() {
 }
 
 std::string replaced(std::string text, const std::string& from, const std::string& to) {
-    for (std::size_t at = 0; (at = text.find(from, at)) != text.npos; at += to.size()) text.replace(at, from.size(), to);
+    for (std::size_t at = 0; (at = text.find(from, at)) != text.npos; at += to.size())
+        text.replace(at, from.size(), to);
     return text;
 }
 
@@ -130,14 +133,17 @@ TEST_CASE("no number, and numbers beyond all areas, are dropped with a count or 
     const MeshFolder folder;
     for (const auto& [ending, content, text] : samples()) {
         INFO(ending);
-        for (const float value : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), 1e30f}) {
+        for (const float value :
+             {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), 1e30f}) {
             const std::string word = value == 1e30f ? "1e30" : std::isinf(value) ? "inf" : "nan";
             std::string changed = replaced(content, "1 0 0", word + " 0 0");
-            if (!text) changed = replaced(content, raw(1.0f) + raw(0.0f) + raw(0.0f), raw(value) + raw(0.0f) + raw(0.0f));
+            if (!text)
+                changed = replaced(content, raw(1.0f) + raw(0.0f) + raw(0.0f), raw(value) + raw(0.0f) + raw(0.0f));
             if (ending == ".gltf") continue;  // its numbers are those of the .glb
             REQUIRE(changed != content);
             const Error error = refused(folder.write("a" + ending, changed));
-            CHECK(error.message.find(value == 1e30f ? "1e+30 m" : "1 with corners that are not finite") != std::string::npos);
+            CHECK(error.message.find(value == 1e30f ? "1e+30 m" : "1 with corners that are not finite") !=
+                  std::string::npos);
         }
     }
 }
@@ -145,25 +151,29 @@ TEST_CASE("no number, and numbers beyond all areas, are dropped with a count or 
 TEST_CASE("counts that a file only declares take neither memory nor time", "[mesh][bad][limits]") {
     const MeshFolder folder;
     const auto all = samples();
-    CHECK(refused(folder.write("a.off", replaced(all[1].content, "3 1 0\n0", "4000000000 4000000000 0\n0"))).where.find("a.off:") !=
-          std::string::npos);
-    CHECK(refused(folder.write("a.off", replaced(all[1].content, "3 0 1 2", "4000000000 0 1 2"))).where.ends_with("a.off:6"));
-    CHECK(refused(folder.write("a.ply", replaced(all[3].content, "face 1", "face 4000000000"))).message.find("end of the file") !=
-          std::string::npos);
-    CHECK(refused(folder.write("b.ply", replaced(all[6].content, "vertex 3", "vertex 4000000000"))).where.find("b.ply") !=
-          std::string::npos);
+    CHECK(refused(folder.write("a.off", replaced(all[1].content, "3 1 0\n0", "4000000000 4000000000 0\n0")))
+              .where.find("a.off:") != std::string::npos);
+    CHECK(refused(folder.write("a.off", replaced(all[1].content, "3 0 1 2", "4000000000 0 1 2")))
+              .where.ends_with("a.off:6"));
+    CHECK(refused(folder.write("a.ply", replaced(all[3].content, "face 1", "face 4000000000")))
+              .message.find("end of the file") != std::string::npos);
+    CHECK(
+        refused(folder.write("b.ply", replaced(all[6].content, "vertex 3", "vertex 4000000000"))).where.find("b.ply") !=
+        std::string::npos);
     std::string stl = all[5].content;
     stl.replace(80, 4, 4, '\xff');
     CHECK(refused(folder.write("a.stl", stl)).message.find("4294967295 triangles") != std::string::npos);
-    CHECK(refused(folder.write("a.gltf", replaced(all[4].content, "\"count\":3", "\"count\":4000000000"))).message.size() > 0);
+    CHECK(refused(folder.write("a.gltf", replaced(all[4].content, "\"count\":3", "\"count\":4000000000")))
+              .message.size() > 0);
 }
 
 TEST_CASE("what a mesh has twice, or not at all, is counted", "[mesh][report]") {
     const MeshFolder folder;
     // A square of two triangles with corners of their own, one of them twice; a fin on its diagonal; a bow tie.
     const auto [mesh, report, hash, files] =
-        imported(folder.write("a.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\n"
-                                       "f 1 2 3\nf 4 5 6\nf 6 5 4\nf 1 3 7\nf 1 1 2 3\nf 7\n"));
+        imported(folder.write("a.obj",
+                              "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\n"
+                              "f 1 2 3\nf 4 5 6\nf 6 5 4\nf 1 3 7\nf 1 1 2 3\nf 7\n"));
     CHECK(report.welded_vertices == 2);
     CHECK(report.duplicate_triangles == 2);  // 6 5 4, and what is left of 1 1 2 3
     CHECK(report.dropped_degenerate == 1);
@@ -180,8 +190,9 @@ TEST_CASE("what a mesh has twice, or not at all, is counted", "[mesh][report]") 
 TEST_CASE("a self-touching polygon keeps its area, or says what it lost", "[mesh][report]") {
     const MeshFolder folder;
     // A square with a square hole, as one polygon that runs in and out along the same edge: 16 - 4.
-    const auto ring = imported(folder.write("a.obj", "v 0 0 0\nv 4 0 0\nv 4 4 0\nv 0 4 0\nv 1 1 0\nv 1 3 0\nv 3 3 0\nv 3 1 0\n"
-                                                     "f 1 2 3 4 1 5 6 7 8 5\n"));
+    const auto ring = imported(folder.write("a.obj",
+                                            "v 0 0 0\nv 4 0 0\nv 4 4 0\nv 0 4 0\nv 1 1 0\nv 1 3 0\nv 3 3 0\nv 3 1 0\n"
+                                            "f 1 2 3 4 1 5 6 7 8 5\n"));
     CHECK(total_area(ring.mesh) == Approx(12));
     CHECK(ring.report.polygons_ear_clipped == 1);
     const auto bow = imported(folder.write("b.obj", "v 0 0 0\nv 1 1 0\nv 1 0 0\nv 0 1 0\nf 1 2 3 4\n"));

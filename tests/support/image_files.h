@@ -1,15 +1,18 @@
 // Small images as files, by the libraries that read them.
 #pragma once
 
+// clang-format off
+#include <cstdio>  // first: jpeglib.h needs FILE
+#include <jpeglib.h>
+// clang-format on
+
+#include <png.h>
+
 #include <array>
 #include <cstdint>
-#include <cstdio>  // jpeglib.h needs FILE
 #include <cstdlib>
 #include <string>
 #include <vector>
-
-#include <jpeglib.h>
-#include <png.h>
 
 namespace rro::test {
 
@@ -47,9 +50,9 @@ inline std::string png_file(unsigned width, unsigned height, const PngKind& kind
     return file;
 }
 
-/// A JPEG of pixels with `channels` bytes each: 1 grey, 3 RGB, 4 CMYK.
+/// A JPEG of pixels with `channels` bytes each: 1 grey, 3 RGB, 4 CMYK; in these scans where there are some.
 inline std::string jpeg_file(unsigned width, unsigned height, int channels, bool progressive,
-                             const std::vector<unsigned char>& bytes) {
+                             const std::vector<unsigned char>& bytes, const std::vector<jpeg_scan_info>& scans = {}) {
     jpeg_compress_struct jpeg{};
     jpeg_error_mgr calls{};
     jpeg.err = jpeg_std_error(&calls);
@@ -64,6 +67,10 @@ inline std::string jpeg_file(unsigned width, unsigned height, int channels, bool
     jpeg_set_defaults(&jpeg);
     jpeg_set_quality(&jpeg, 95, TRUE);
     if (progressive) jpeg_simple_progression(&jpeg);
+    if (!scans.empty()) {
+        jpeg.scan_info = scans.data();
+        jpeg.num_scans = static_cast<int>(scans.size());
+    }
     jpeg_start_compress(&jpeg, TRUE);
     std::vector<unsigned char> copy = bytes;  // the library's pointer is not to constant bytes
     while (jpeg.next_scanline < height) {
