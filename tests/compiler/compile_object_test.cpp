@@ -73,8 +73,8 @@ bool same(const CompiledObject& a, const CompiledObject& b) {
            same_bytes(a.intrinsic_area_scale, b.intrinsic_area_scale);
 }
 
-// A table value is rounded to 1/255 of the table's largest value.
-constexpr double kHalfStep = 0.5 / 255 + 1e-6;
+// A table value is rounded to 1/127 of the table's largest value, and that to a byte.
+constexpr double kHalfStep = 0.5 / 127 + 0.5 / 255 + 1e-6;
 
 }  // namespace
 
