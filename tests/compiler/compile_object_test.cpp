@@ -205,6 +205,19 @@ TEST_CASE("a two-sided quad shows A |cos| from both sides", "[compiler][effectiv
               0.01 + kHalfStep * front.whole_area_scale[0]);
 }
 
+TEST_CASE("two one-sided quads in one place, back to back, show what a two-sided one does", "[compiler][effective_area]") {
+    Mesh mesh = test::make_quad(2, 3, false, 3);
+    mesh = test::merged(mesh, test::turned_inside_out(test::make_quad(2, 3, false, 5)));
+    for (Vec3& p : mesh.positions) p = {p.x, 0.3 * p.x - 0.2 * p.z, p.z};  // heights that round
+    const CompiledObject object = compiled(mesh);
+    const DirectionGrid grid = grid_of(object);
+    const Vec3 normal = Vec3{-0.3, 1, 0.2} * 6;  // times the area
+    for (std::uint32_t d = 0; d < grid.size(); ++d)
+        for (const bool intrinsic : {false, true})
+            CHECK(std::abs(area_value(object, 0, d, intrinsic) - std::abs(dot(normal, grid.direction(d)))) <=
+                  0.01 + kHalfStep * object.whole_area_scale[0]);
+}
+
 TEST_CASE("a plate halves what is seen of another", "[compiler][effective_area]") {
     // A two-sided plate over one half of a larger one, close: from straight above, half of the lower one is seen.
     Mesh mesh = test::make_quad(2, 2, false, 8);
