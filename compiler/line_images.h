@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -17,11 +18,12 @@ struct TriangleRun {
     std::uint32_t triangle;
     bool front;  // it turns its front to the image's viewer
     std::uint32_t row, begin, end;
-    double height, slope;  // of the first sample along `toward`, in metres, and from sample to sample
-    double lowest, highest;  // corners: a triangle seen edge-on has no slope worth its name
+    double height, slope;    // of the first sample along `toward`, in metres, and from sample to sample
+    double lowest, highest;  // of the corners: a triangle seen edge-on has no slope worth its name
 
     double height_at(std::uint32_t column) const {
-        return std::clamp(height + slope * (column - begin), lowest, highest);
+        // In this order also something where the slope is not finite.
+        return std::min(std::max(lowest, height + slope * (column - begin)), highest);
     }
 };
 

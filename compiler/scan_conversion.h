@@ -7,8 +7,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
-#include <limits>
+#include <cstring>
 #include <span>
 #include <vector>
 
@@ -19,7 +20,11 @@ namespace rro {
 inline constexpr double kSampleHeight = 0.5;  // of a sample within its row
 
 /// In [0, 1). It differs from row to row (golden ratio), so that edges parallel to the columns do not alias.
-double sample_shift(std::uint32_t row);
+inline double sample_shift(std::uint32_t row) {
+    constexpr double kGoldenShare = 0.6180339887498949;
+    const double x = row * kGoldenShare;
+    return x - std::floor(x);
+}
 
 /// A place in an image: x in columns, y in rows.
 struct ImagePoint {
@@ -42,25 +47,22 @@ inline double first_row(double y) { return std::ceil(y - kSampleHeight); }
 /// Calls emit(row, begin, end) for each run of samples that lie in the triangle; rows ascend.
 template <class Emit>
 void for_each_span(const std::array<ImagePoint, 3>& t, std::uint32_t columns, std::uint32_t rows, const Emit& emit) {
-    const double low = least(t[0].y, t[1].y, t[2].y), high = greatest(t[0].y, t[1].y, t[2].y);
-    const double leftmost = least(t[0].x, t[1].x, t[2].x), rightmost = greatest(t[0].x, t[1].x, t[2].x);
-    const double last = std::min(first_row(high), static_cast<double>(rows));
-    for (double row = std::max(0.0, first_row(low)); row < last; ++row) {
+    ImagePoint low = t[0], middle = t[1], high = t[2];
+    if (low.y > middle.y) std::swap(low, middle);
+    if (middle.y > high.y) std::swap(middle, high);
+    if (low.y > middle.y) std::swap(low, middle);
+    // Always from the lower end of an edge, so that both triangles at it compute the same crossings.
+    const auto slope = [](const ImagePoint& a, const ImagePoint& b) { return (b.x - a.x) / (b.y - a.y); };
+    const double to_high = slope(low, high), to_middle = slope(low, middle), from_middle = slope(middle, high);
+    const double last = std::min(first_row(high.y), static_cast<double>(rows));
+    for (double row = std::max(0.0, first_row(low.y)); row < last; ++row) {
+        const double y = row + kSampleHeight;
+        const double one = low.x + (y - low.y) * to_high;
+        const double other = y < middle.y ? low.x + (y - low.y) * to_middle : middle.x + (y - middle.y) * from_middle;
         const auto number = static_cast<std::uint32_t>(row);
         const double shift = sample_shift(number);
-        if (std::ceil(leftmost - shift) >= std::ceil(rightmost - shift)) continue;  // spares small triangles the rest
-        const double y = row + kSampleHeight;
-        double left = std::numeric_limits<double>::infinity(), right = -left;
-        for (std::size_t k = 0; k < 3; ++k) {
-            ImagePoint a = t[k], b = t[(k + 1) % 3];
-            if ((a.y <= y) == (b.y <= y)) continue;
-            if (a.y > b.y) std::swap(a, b);  // both triangles at an edge compute the same crossing
-            const double x = a.x + (y - a.y) * (b.x - a.x) / (b.y - a.y);
-            left = std::min(left, x);
-            right = std::max(right, x);
-        }
-        const double begin = std::max(0.0, std::ceil(left - shift));
-        const double end = std::min(static_cast<double>(columns), std::ceil(right - shift));
+        const double begin = std::max(0.0, std::ceil(std::min(one, other) - shift));
+        const double end = std::min(static_cast<double>(columns), std::ceil(std::max(one, other) - shift));
         if (end > begin) emit(number, static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(end));
     }
 }
@@ -91,20 +93,29 @@ std::vector<std::uint32_t> across_rows(std::span<const TriangleIndices> triangle
 class CoverageMask {
   public:
     CoverageMask(std::uint32_t columns, std::uint32_t rows)
-        : columns_(columns), rows_(rows), words_((columns + 63) / 64), bits_(std::size_t{words_} * rows) {}
+        : columns_(columns), rows_(rows), words_((columns + 63) / 64), bits_(std::size_t{words_} * rows + 1) {}
 
     std::uint32_t columns() const { return columns_; }
     std::uint32_t rows() const { return rows_; }
 
     /// Samples [begin, end) of a row, begin < end <= columns().
     void cover(std::uint32_t row, std::uint32_t begin, std::uint32_t end);
-    bool covers(std::uint32_t row, std::uint32_t begin, std::uint32_t end) const;
     std::uint32_t count(std::uint32_t row, std::uint32_t begin, std::uint32_t end) const;
+
+    /// Which of so many samples (0 to kMostMissing) from `begin` on are not covered, one bit each.
+    static constexpr std::uint32_t kMostMissing = 56;
+    std::uint64_t missing(std::uint32_t row, std::uint32_t begin, std::uint32_t samples) const {
+        const std::uint64_t wanted = (std::uint64_t{1} << samples) - 1;
+        std::uint64_t bits;  // from the byte of `begin` on; numbers are little-endian, as in archives
+        std::memcpy(&bits, reinterpret_cast<const std::byte*>(bits_.data() + std::size_t{row} * words_) + begin / 8,
+                    sizeof bits);
+        return wanted & ~(bits >> begin % 8);
+    }
 
   private:
     std::uint32_t columns_, rows_;
     std::uint32_t words_;              // of a row
-    std::vector<std::uint64_t> bits_;  // [rows * words]
+    std::vector<std::uint64_t> bits_;  // [rows * words], and one more to read over
 };
 
 /// The samples that an object covers: its silhouette. Both sides of a triangle block.

@@ -18,9 +18,9 @@ namespace {
 // The error that a link may bring to a patch of mean area, in units of the patch's own radiosity; to smaller ones less
 // in power, more in radiosity.
 constexpr double kTolerance = 0.01;
-// Beyond so many pairs for each patch the tolerance doubles from level to level: foliage, where everything sees a little
-// of everything, would have a hundred links for each patch, most of them of no consequence.
-constexpr std::size_t kPairsPerPatch = 60;
+// Beyond so many pairs for each patch the tolerance grows with the square of their number: foliage, where everything
+// sees a little of everything, would have hundreds of links for each patch, most of them of no consequence.
+constexpr double kPairsPerPatch = 20;
 // Clusters whose normals lie within this cosine of their mean radiate and receive like a plate; others may be dark on
 // the side that a link meets, so that one constant is wrong by as much as itself.
 constexpr double kFlatCone = 0.8;
@@ -364,12 +364,12 @@ SelfLinks measure_self_links(const ObjectData& object, const ObjectRays& rays) {
     SelfLinks links;
     if (object.meta.convex) return links;
     const PairJudge judge(object, rays);
-    double tolerance = kTolerance;
     std::vector<Growing> tree{{{0, 0}, {}}};
     for (std::size_t level = 0; level < tree.size();) {
         const std::size_t end = tree.size();
         constexpr std::size_t kGrain = 64;
-        if (end > kPairsPerPatch * object.patches.size()) tolerance *= 2;
+        const double crowding = static_cast<double>(end) / (kPairsPerPatch * static_cast<double>(object.patches.size()));
+        const double tolerance = kTolerance * std::max(1.0, crowding * crowding);
         parallel_for(end - level, kGrain,
                      [&](std::size_t k) { tree[level + k].verdict = judge.judge(tree[level + k].pair, tolerance); });
         for (; level < end; ++level) push_children(object, tree, level);

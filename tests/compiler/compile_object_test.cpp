@@ -73,8 +73,8 @@ bool same(const CompiledObject& a, const CompiledObject& b) {
            same_bytes(a.intrinsic_area_scale, b.intrinsic_area_scale);
 }
 
-// A table value is rounded to 1/255 of the table's largest value.
-constexpr double kHalfStep = 0.5 / 255 + 1e-6;
+// A table value is rounded to 1/127 of the table's largest value, and that to a byte.
+constexpr double kHalfStep = 0.5 / 127 + 0.5 / 255 + 1e-6;
 
 }  // namespace
 
@@ -203,6 +203,19 @@ TEST_CASE("a two-sided quad shows A |cos| from both sides", "[compiler][effectiv
     for (std::uint32_t d = 0; d < grid.size(); ++d)
         CHECK(std::abs(area_value(front, 0, d) - 6 * std::max(0.0, grid.direction(d).y)) <=
               0.01 + kHalfStep * front.whole_area_scale[0]);
+}
+
+TEST_CASE("two one-sided quads in one place, back to back, show what a two-sided one does", "[compiler][effective_area]") {
+    Mesh mesh = test::make_quad(2, 3, false, 3);
+    mesh = test::merged(mesh, test::turned_inside_out(test::make_quad(2, 3, false, 5)));
+    for (Vec3& p : mesh.positions) p = {p.x, 0.3 * p.x - 0.2 * p.z, p.z};  // heights that round
+    const CompiledObject object = compiled(mesh);
+    const DirectionGrid grid = grid_of(object);
+    const Vec3 normal = Vec3{-0.3, 1, 0.2} * 6;  // times the area
+    for (std::uint32_t d = 0; d < grid.size(); ++d)
+        for (const bool intrinsic : {false, true})
+            CHECK(std::abs(area_value(object, 0, d, intrinsic) - std::abs(dot(normal, grid.direction(d)))) <=
+                  0.01 + kHalfStep * object.whole_area_scale[0]);
 }
 
 TEST_CASE("a plate halves what is seen of another", "[compiler][effective_area]") {
