@@ -25,7 +25,7 @@ struct ClusterSummary {
 /// the weight of proximity, the less they do. tests/bench/README.md has what was measured for these defaults.
 struct ClusterWeights {
     double proximity = 1;
-    double orientation = 1;
+    double orientation = 10;
     double reflectivity = 0.5;
     double aspect = 0.25;
     double size = 0.25;

@@ -18,13 +18,15 @@ namespace {
 // The error that a link may bring to a patch of mean area, in units of the patch's own radiosity; to smaller ones less
 // in power, more in radiosity.
 constexpr double kTolerance = 0.01;
-// Beyond so many pairs for each patch the tolerance grows with the square of their number: foliage, where everything
+// Beyond so many pairs, and so many more for each patch, the tolerance grows with the square of their number: foliage, where everything
 // sees a little of everything, would have hundreds of links for each patch, most of them of no consequence.
-constexpr double kPairsPerPatch = 20;
-// Clusters whose normals lie within this cosine of their mean radiate and receive like a plate; others may be dark on
-// the side that a link meets, so that one constant is wrong by as much as itself.
+constexpr double kManyPairs = 40000, kPairsPerPatch = 20;
+// Clusters whose normals lie within this cosine of their mean radiate and receive like a plate.
 constexpr double kFlatCone = 0.8;
 constexpr double kTiltError = 0.5;
+// All links of a round cluster err the same way: too much for what looks away, too little for what looks there. So their
+// errors add up instead of averaging out, some tens of links to a cluster.
+constexpr double kRoundError = 10;
 // What a patch receives through a partly hidden link differs from the link's mean by about this share of what single
 // lines differ by: a patch sees the other end along many of them.
 constexpr double kShadowShare = 0.5;
@@ -37,10 +39,10 @@ constexpr std::uint32_t kKernelPoints = 8;
 
 // Points on each cluster, evenly by area. Lines pair those of two clusters off, in several orders.
 constexpr std::uint32_t kPoints = 32;
-constexpr std::uint32_t kJudgeLines = 16;
+constexpr std::uint32_t kJudgeLines = 8;
 // The lines of a link, others than those that judged it: a pair accepted for the little light that some lines found
 // would keep too little. As many as its light deserves, and never fewer because they agree, for the same reason.
-constexpr std::uint32_t kFewestLines = 16, kMostLines = 96;
+constexpr std::uint32_t kFewestLines = 8, kMostLines = 64;
 constexpr double kVisibilityShare = 0.5;  // of the tolerance: standard deviation of half the lines blocked
 constexpr std::uint32_t kNextOrder = 13;  // from one order of pairing off to the next; odd: never the same one soon
 // Lines between points keep this share of their length from either end, and a few roundings of the coordinates.
@@ -185,7 +187,7 @@ class PairJudge {
     }
 
     static double relative_error(const End& e, double distance) {
-        if (!e.flat) return 1;
+        if (!e.flat) return kRoundError;
         return std::min(1.0, e.radius / distance + kTiltError * (1 - std::cos(e.cone)));
     }
 
@@ -210,13 +212,18 @@ class PairJudge {
         if (!a.patch || !b.patch) {
             const PairStep split =
                 !a.patch && (b.patch || a.radius >= b.radius) ? PairStep::SplitFirst : PairStep::SplitSecond;
-            if (distance < kSeparated * widest && most > tolerance) return {split, 0, 0};
-            const Measured m = measure(first, second, 0, kJudgeLines);
+            const bool negligible = most <= tolerance;
+            if (distance < kSeparated * widest && !negligible) return {split, 0, 0};
+            const double shape = std::hypot(relative_error(a, distance), relative_error(b, distance));
+            Lines lines = lines_of(first, second, 0, kJudgeLines);
+            // Rays are for pairs about which they can decide: not where it is too much even if none gets through.
+            constexpr double kLeast = 1 / (kJudgeLines + 2.0);
+            if (!negligible && lines.measured.exchange * kLeast * std::hypot(shape, 1) > tolerance) return {split, 0, 0};
+            const Measured m = traced(lines);
             // Laplace's rule: lines that agree are no proof, but a sign that there is no edge of a shadow here.
             const double v = m.share();
             const double shadow = m.agree() ? std::min(v, 1 - v) : kShadowShare * std::sqrt(v * (1 - v));
-            const double shape = std::hypot(relative_error(a, distance), relative_error(b, distance));
-            if (m.exchange * std::hypot(v * shape, shadow) > tolerance && most > tolerance) return {split, 0, 0};
+            if (!negligible && m.exchange * std::hypot(v * shape, shadow) > tolerance) return {split, 0, 0};
         }
         Measured m = lines_of_link(first, second, most, tolerance);
         const bool a_has_fewer = a.end - a.begin < b.end - b.begin;
@@ -256,19 +263,23 @@ class PairJudge {
     Measured lines_of_link(std::uint32_t first, std::uint32_t second, double exchange, double tolerance) const {
         const double deserved = std::pow(0.5 * exchange / (kVisibilityShare * tolerance), 2);
         const auto count = static_cast<std::uint32_t>(std::clamp(deserved, double(kFewestLines), double(kMostLines)));
-        return measure(first, second, kPoints, (count + kFewestLines - 1) / kFewestLines * kFewestLines);
+        return traced(lines_of(first, second, kPoints, (count + kFewestLines - 1) / kFewestLines * kFewestLines));
     }
 
-    /// Lines number begin .. begin + count of the pair, those that leave both fronts: the points of one end, with the
-    /// points of the other in an order that differs from pair to pair.
-    Measured measure(std::uint32_t first, std::uint32_t second, std::uint32_t begin, std::uint32_t count) const {
-        Measured m;
+    /// Lines of a pair that leave both fronts, and their share of the exchange each.
+    struct Lines {
+        std::array<ObjectRay, kMostLines> rays;
+        std::array<double, kMostLines> weights;
+        Measured measured;  // with nothing between
+    };
+
+    /// Lines number begin .. begin + count of the pair: the points of one end, with the points of the other in an order
+    /// that differs from pair to pair.
+    Lines lines_of(std::uint32_t first, std::uint32_t second, std::uint32_t begin, std::uint32_t count) const {
         const End &a = ends_[first], &b = ends_[second];
         const std::uint64_t seed = mix64(std::uint64_t{first} << 32 | second);
-        std::array<ObjectRay, kMostLines> lines;
-        std::array<double, kMostLines> weights{};
-        std::array<std::uint8_t, kMostLines> blocked{};
-        std::uint32_t used = 0;
+        Lines lines;
+        Measured& m = lines.measured;
         for (std::uint32_t k = begin; k < begin + count; ++k) {
             const std::uint32_t round = k / kPoints, own = k % kPoints;
             const std::uint32_t other = own ^ static_cast<std::uint32_t>((seed + kNextOrder * round) % kPoints);
@@ -279,19 +290,25 @@ class PairJudge {
             if (out <= 0 || in <= 0 || d2 <= 0) continue;
             const float margin = kLineMargin + rounding_ / std::sqrt(d2);
             if (margin >= 0.5f) continue;
-            weights[used] = static_cast<double>(out) * static_cast<double>(in) / (static_cast<double>(d2) * static_cast<double>(d2));
-            lines[used++] = {p.position, w, margin, 1 - margin};
+            const double square = static_cast<double>(d2);
+            lines.weights[m.lines] = static_cast<double>(out) * static_cast<double>(in) / (square * square);
+            lines.rays[m.lines] = {p.position, w, margin, 1 - margin};
+            m.unoccluded += lines.weights[m.lines++];
         }
-        rays_.occluded(std::span(lines).first(used), std::span(blocked).first(used));
-        for (std::uint32_t k = 0; k < used; ++k) {
-            m.unoccluded += weights[k];
-            if (blocked[k]) continue;
-            m.seen += weights[k];
+        const double mean = m.unoccluded / count * a.area * b.area / std::numbers::pi;
+        // A patch's form factor is at most 1; faces of wider clusters may stand before one another and add up to more.
+        m.exchange = a.patch && b.patch ? std::min({mean, a.area, b.area}) : mean;
+        return lines;
+    }
+
+    /// What the object leaves of them.
+    Measured traced(const Lines& lines) const {
+        Measured m = lines.measured;
+        for (std::uint32_t k = 0; k < m.lines; ++k) {
+            if (rays_.occluded(lines.rays[k])) continue;  // too far apart for packets to pay
+            m.seen += lines.weights[k];
             ++m.open;
         }
-        m.lines = used;
-        const double mean = m.unoccluded / count * a.area * b.area / std::numbers::pi;
-        m.exchange = std::min({mean, a.area, b.area});  // a form factor is at most 1
         return m;
     }
 
@@ -368,7 +385,8 @@ SelfLinks measure_self_links(const ObjectData& object, const ObjectRays& rays) {
     for (std::size_t level = 0; level < tree.size();) {
         const std::size_t end = tree.size();
         constexpr std::size_t kGrain = 64;
-        const double crowding = static_cast<double>(end) / (kPairsPerPatch * static_cast<double>(object.patches.size()));
+        const double crowding =
+            static_cast<double>(end) / (kManyPairs + kPairsPerPatch * static_cast<double>(object.patches.size()));
         const double tolerance = kTolerance * std::max(1.0, crowding * crowding);
         parallel_for(end - level, kGrain,
                      [&](std::size_t k) { tree[level + k].verdict = judge.judge(tree[level + k].pair, tolerance); });
@@ -410,8 +428,8 @@ std::vector<float> received_shares(const ObjectData& object) {
 }  // namespace
 
 Closure measure_closure(const ObjectData& object, const ObjectRays& rays) {
-    constexpr std::uint32_t kEscapeSamples = 256;  // of the table; a smooth function
-    constexpr std::uint32_t kBlackSamples = 64;    // rays: a share is known to 0.03 or better
+    constexpr std::uint32_t kEscapeSamples = 128;  // of the table; a smooth function
+    constexpr std::uint32_t kBlackSamples = 32;    // rays: a share is known to 0.05 or better
     const DirectionGrid grid(object.meta.grid_map, object.meta.grid_size);
     const FaceSampler sampler(object);
     const std::vector<std::uint32_t> face_by_side = faces_by_side(object);

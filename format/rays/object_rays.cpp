@@ -183,8 +183,8 @@ bool ObjectRays::occluded(const ObjectRay& ray, const IgnoredTriangles& ignored)
 void ObjectRays::occluded(std::span<const ObjectRay> rays, std::span<std::uint8_t> blocked,
                           const IgnoredTriangles& ignored) const {
     assert(rays.size() == blocked.size());
-    IgnoringContext context(RTC_INTERSECT_CONTEXT_FLAG_COHERENT, ignored);
-    RTCRay16 packet;
+    IgnoringContext context(RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT, ignored);
+    RTCRay16 packet{};  // idle lanes hold numbers too: what the stack holds may take a slow way through the processor
     alignas(64) int valid[kPacket];
     std::size_t ray_of_lane[kPacket];
     for (std::size_t next = 0; next < rays.size();) {
@@ -205,7 +205,7 @@ void ObjectRays::first_hits(std::span<const ObjectRay> rays, std::span<ObjectHit
     assert(rays.size() == hits.size());
     const IgnoredTriangles none;
     IgnoringContext context(RTC_INTERSECT_CONTEXT_FLAG_COHERENT, none);
-    RTCRayHit16 packet;
+    RTCRayHit16 packet{};
     alignas(64) int valid[kPacket];
     for (std::size_t first = 0; first < rays.size(); first += kPacket) {
         const std::size_t lanes = std::min<std::size_t>(kPacket, rays.size() - first);

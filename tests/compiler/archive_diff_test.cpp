@@ -486,7 +486,7 @@ TEST_CASE("the text keeps groups in order, labels each once, and cuts long lists
                                                  "materials   \"m0\": reflectance (0.5, 0.5, 0.5) -> (0.6, 0.5, 0.5)\n"
                                                  "            \"m1\": "));
     CHECK_THAT(text, Contains("            and 8 more (--json has all)\n"));
-    CHECK_THAT(text, Catch::Matchers::EndsWith("unchanged   mesh, patches, clusters, area, visibility, errors, hbv, source, hit, atlas\n"));
+    CHECK_THAT(text, Catch::Matchers::EndsWith("unchanged   mesh, patches, clusters, area, visibility, errors, hbv, source, hit, atlas, selflinks\n"));
     const auto json = nlohmann::json::parse(diff_json(diff, "old/a.rro", "new/a.rro"));
     CHECK(std::count_if(json["changes"].begin(), json["changes"].end(),
                         [](const auto& c) { return c["kind"] == "reflectance"; }) == 20);

@@ -57,7 +57,7 @@ ImportedMesh filled() {
     mesh.source_triangles = 3;
     mesh.closed = true;
     mesh.slits = {{1, 2, 3}};
-    imported.report = {3, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, {1, 2, 3}, {"one", "", "three"}};
+    imported.report = {3, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, {1, 2, 3}, {"one", "", "three"}, {"absent.mtl"}};
     imported.sha256 = "00ff";
     imported.files = {"a.obj", "b c.mtl"};
     return imported;
@@ -188,6 +188,7 @@ TEST_CASE("an imported mesh is the same behind the transfer, an error too", "[im
     CHECK(encode_import(*back) == bytes);
     CHECK((*back)->mesh.materials[0].exitance == Vec3{1, 2, 3});
     CHECK((*back)->report.warnings == filled().report.warnings);
+    CHECK((*back)->report.absent == filled().report.absent);
     CHECK((*back)->report.winding_fixed == 17);
     CHECK((*back)->files == filled().files);
 

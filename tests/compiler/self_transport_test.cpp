@@ -109,7 +109,7 @@ TEST_CASE("a cup keeps part of the light of its inside", "[compiler][self_transp
     }
     // The inside of 9 m^2 sends through the mouth of 1 m^2 what the mouth sends to the inside: all of it.
     CHECK(inside == Approx(9 - 1).epsilon(0.01));
-    CHECK(outside == 0);
+    CHECK(outside < 0.01);  // m^2 of 8: links of clusters that hold both sides of a wall
     const Defect defect = defect_of(cup);
     INFO("mean " << defect.mean << ", rms " << defect.rms);
     // Tables of 12 x 12 directions err by about 0.05 for a patch in a deep cup; the mean is far better.
@@ -138,7 +138,7 @@ TEST_CASE("a wall between two plates hides them from one another", "[compiler][s
             below += static_cast<double>(object.self_received[p] * patch.area);
             black += static_cast<double>(object.self_black[p] * patch.area);
         }
-        CHECK(below == 0);
+        CHECK(below < 0.02);  // of 1 m^2: links of clusters that hold parts of wall and upper plate
         CHECK(black > 0.95);  // of 1 m^2; the wall reaches 5 m beyond the plate
     }
 }

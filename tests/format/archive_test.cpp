@@ -358,7 +358,7 @@ TEST_CASE("only what is wanted is unpacked and shown, with what it refers to", "
     REQUIRE(meta);
     CHECK(meta->data().meta.source_name == "box.obj");
     CHECK(meta->data().positions.empty());
-    CHECK(meta->sections().size() == 12);
+    CHECK(meta->sections().size() == 13);
     const auto tables = Archive::from_bytes(bytes, "tiny.rro", Section::Visibility);
     REQUIRE(tables);
     CHECK_FALSE(tables->data().visibility.empty());

@@ -58,17 +58,7 @@ inline std::unique_ptr<Object> hand_made_object(const Mesh& mesh, const Vec3& or
     if (!bytes) throw std::runtime_error(bytes.error().message);
     auto archive = Archive::from_bytes(std::move(*bytes), "hand-made");
     if (!archive) throw std::runtime_error(archive.error().where + ": " + archive.error().message);
-    auto rays = std::make_unique<ObjectRays>(archive->data().positions, archive->data().triangles);
-    auto object = std::unique_ptr<Object>(new Object{"hand-made", std::move(*archive), std::move(rays), {}, {}, {}});
-    const ObjectData& data = object->data();
-    object->front_face.assign(data.triangles.size(), kNoFace);
-    object->back_face.assign(data.triangles.size(), kNoFace);
-    for (std::uint32_t f = 0; f < data.faces.size(); ++f) {
-        auto& numbers = data.faces[f].side() == Side::Front ? object->front_face : object->back_face;
-        numbers[data.faces[f].triangle()] = f;
-        object->patch_of_face.push_back(f);
-    }
-    return object;
+    return make_object("hand-made", std::move(*archive));
 }
 
 /// Adds an instance of a mesh (an object of its own) to a scene.
