@@ -7,7 +7,9 @@
 
 #include "compiler/intrinsic_area.h"
 #include "compiler/seen_area.h"
+#include "compiler/table_fit.h"
 #include "compiler/visible_share.h"
+#include "format/parallel.h"
 
 namespace rro {
 namespace {
@@ -45,42 +47,132 @@ std::uint8_t area_byte(double share) {
     return static_cast<std::uint8_t>(std::lround(255 * std::round(kSteps * share) / kSteps));
 }
 
-/// Tables of D values each to 8 bits with the table's largest value as its scale.
-void quantise(std::span<const double> cosine, std::span<const float> share, std::size_t directions,
-              std::vector<std::uint8_t>& table, std::vector<float>& scale) {
-    table.reserve(cosine.size());
-    for (std::size_t row = 0; row < cosine.size(); row += directions) {
-        double largest = 0;
-        for (std::size_t i = row; i < row + directions; ++i)
-            largest = std::max(largest, cosine[i] * static_cast<double>(share[i]));
-        scale.push_back(static_cast<float>(largest));
-        for (std::size_t i = row; i < row + directions; ++i) {
-            const double value = largest > 0 ? cosine[i] * static_cast<double>(share[i]) / largest : 0;
-            table.push_back(area_byte(value));
-        }
+/// Tables of D values each, none negative, to 8 bits with the table's largest value as its scale.
+void quantise(std::span<const float> values, std::size_t directions, std::vector<std::uint8_t>& table,
+              std::vector<float>& scale) {
+    table.reserve(values.size());
+    for (std::size_t row = 0; row < values.size(); row += directions) {
+        const auto own = values.subspan(row, directions);
+        const float largest = *std::max_element(own.begin(), own.end());
+        scale.push_back(largest);
+        for (const float value : own)
+            table.push_back(area_byte(largest > 0 ? static_cast<double>(value) / static_cast<double>(largest) : 0));
     }
 }
 
-void store_visibility(const SeenCounts& counts, const DirectionGrid& grid, EffectiveAreas& areas) {
-    areas.visibility.reserve(counts.patches.seen.size());
-    for (const float share : visible_shares(counts.patches, counts.whole, grid))
-        areas.visibility.push_back(visibility_byte(static_cast<double>(share)));
+/// Directions between the nodes of a grid, about one for each, in opposite pairs: their lines are the same.
+std::vector<Vec3> directions_between(const DirectionGrid& grid) {
+    const std::uint32_t n = grid.n();
+    const DirectionGrid fine(grid.map(), 2 * n);  // four of its nodes about each of the grid's
+    std::vector<bool> has_one(grid.size(), false);
+    std::vector<Vec3> directions;
+    for (std::uint32_t node = 0; node < grid.size(); ++node) {
+        if (has_one[node]) continue;
+        const std::uint32_t row = node / n, column = node % n;
+        const Vec3 w = fine.direction((2 * row + (row + column) % 2) * 2 * n + 2 * column + row % 2);
+        directions.insert(directions.end(), {w, -w});
+        const DirectionTaps taps = grid.taps(-w);
+        const auto nearest = std::max_element(taps.weight.begin(), taps.weight.end()) - taps.weight.begin();
+        has_one[node] = has_one[taps.node[static_cast<std::size_t>(nearest)]] = true;
+    }
+    return directions;
 }
 
-/// ranges   the faces of areas.clusters
-void store_areas(const ObjectData& object, const SeenCounts& counts, const DirectionGrid& grid,
-                 std::span<const FaceRange> ranges, EffectiveAreas& areas) {
-    const std::vector<Vec3> directions = node_directions(grid);
-    const std::vector<double> cosine = cosine_sums(object, directions, ranges);
-    quantise(cosine, visible_shares(counts.clusters, counts.whole, grid), grid.size(), areas.whole, areas.whole_scale);
-    if (object.meta.convex) {  // nothing hides anything
-        areas.intrinsic = areas.whole;
-        areas.intrinsic_scale = areas.whole_scale;
-    } else {
-        const SampleCounts own = count_intrinsic(object, directions, areas.clusters);
-        quantise(cosine, visible_shares(own, counts.whole, grid), grid.size(), areas.intrinsic, areas.intrinsic_scale);
+/// What was measured at the nodes of the grid and between them, and the fit to both.
+class Measurement {
+  public:
+    Measurement(const ObjectData& object, const DirectionGrid& grid, std::span<const FaceRange> clusters)
+        : object_(object),
+          grid_(grid),
+          nodes_(node_directions(grid)),
+          between_(directions_between(grid)),
+          clusters_(clusters),
+          fit_(grid, joined(nodes_, between_)),
+          at_nodes_(count_seen_areas(object, nodes_, clusters, object.meta.image_resolution)),
+          at_between_(count_seen_areas(object, between_, clusters, between_resolution())) {}
+
+    /// Share of each patch that is seen. [P * D]
+    std::vector<float> visibility() const {
+        std::vector<float> shares = visible_shares(at_nodes_.patches, at_nodes_.whole, grid_);
+        const std::vector<FaceRange> patches = patch_ranges(object_);
+        const std::vector<double> cosine = cosine_sums(object_, nodes_, patches), cosine_between = cosine_sums(object_, between_, patches);
+        for_each_table(shares, [&](std::size_t p, std::span<float> nodes, std::span<float> samples, std::span<float> weights) {
+            // What counts is the seen area, share times cosine; a few samples say less than many.
+            const double area = static_cast<double>(object_.patches[p].area);
+            for (std::size_t d = 0; d < nodes.size(); ++d) {
+                samples[d] = nodes[d];
+                weights[d] = static_cast<float>(std::pow(cosine[p * nodes.size() + d] / area, 2));
+            }
+            for (std::size_t e = 0; e < between_.size(); ++e) {
+                const std::size_t i = p * between_.size() + e;
+                samples[nodes.size() + e] = share_of(at_between_.patches, i);
+                weights[nodes.size() + e] = static_cast<float>(std::pow(cosine_between[i] / area, 2) * trust(at_between_.patches, i));
+            }
+            fit_.fit(samples, weights, nodes);
+            for (float& share : nodes) share = std::clamp(share, 0.0f, 1.0f);
+        });
+        return shares;
     }
-}
+
+    /// Whole-object areas of the clusters. [K * D], m^2
+    std::vector<float> whole_areas() const { return areas(at_nodes_.clusters, at_between_.clusters); }
+
+    /// Intrinsic areas. [K * D], m^2
+    std::vector<float> intrinsic_areas(std::span<const std::uint32_t> clusters) const {
+        return areas(count_intrinsic(object_, nodes_, clusters, object_.meta.image_resolution),
+                     count_intrinsic(object_, between_, clusters, between_resolution()));
+    }
+
+  private:
+    static std::vector<Vec3> joined(std::vector<Vec3> a, const std::vector<Vec3>& b) {
+        a.insert(a.end(), b.begin(), b.end());
+        return a;
+    }
+    // A quarter of the samples: what lies between informs several nodes at once.
+    std::uint32_t between_resolution() const { return (object_.meta.image_resolution + 1) / 2; }
+
+    static float share_of(const SampleCounts& counts, std::size_t i) {
+        return counts.covered[i] > 0 ? std::min(1.0f, static_cast<float>(counts.seen[i]) / static_cast<float>(counts.covered[i])) : 0;
+    }
+    static double trust(const SampleCounts& counts, std::size_t i) {
+        constexpr double kHalf = 4;  // a share of so many samples is as uncertain as neighbouring directions differ
+        return counts.covered[i] / (counts.covered[i] + kHalf);
+    }
+
+    template <class Body>
+    void for_each_table(std::vector<float>& tables, const Body& body) const {
+        parallel_chunks(tables.size() / nodes_.size(), 64, [&](std::size_t begin, std::size_t end) {
+            std::vector<float> samples(nodes_.size() + between_.size()), weights(samples.size());
+            for (std::size_t k = begin; k < end; ++k)
+                body(k, std::span(tables).subspan(k * nodes_.size(), nodes_.size()), samples, weights);
+        });
+    }
+
+    std::vector<float> areas(const SampleCounts& at_nodes, const SampleCounts& at_between) const {
+        std::vector<float> values = visible_shares(at_nodes, at_nodes_.whole, grid_);
+        const std::vector<double> cosine = cosine_sums(object_, nodes_, clusters_), cosine_between = cosine_sums(object_, between_, clusters_);
+        for (std::size_t i = 0; i < values.size(); ++i) values[i] *= static_cast<float>(cosine[i]);
+        for_each_table(values, [&](std::size_t k, std::span<float> nodes, std::span<float> samples, std::span<float> weights) {
+            std::copy(nodes.begin(), nodes.end(), samples.begin());
+            std::fill_n(weights.begin(), nodes.size(), 1.0f);
+            for (std::size_t e = 0; e < between_.size(); ++e) {
+                const std::size_t i = k * between_.size() + e;
+                samples[nodes.size() + e] = static_cast<float>(cosine_between[i]) * share_of(at_between, i);
+                weights[nodes.size() + e] = cosine_between[i] > 0 ? static_cast<float>(trust(at_between, i)) : 1.0f;
+            }
+            fit_.fit(samples, weights, nodes);
+            for (float& area : nodes) area = std::max(0.0f, area);
+        });
+        return values;
+    }
+
+    const ObjectData& object_;
+    const DirectionGrid& grid_;
+    std::vector<Vec3> nodes_, between_;
+    std::span<const FaceRange> clusters_;
+    TableFit fit_;
+    SeenCounts at_nodes_, at_between_;
+};
 
 }  // namespace
 
@@ -93,9 +185,21 @@ EffectiveAreas measure_effective_areas(const ObjectData& object, const TableChoi
         areas.clusters =
             largest_clusters(object.clusters, tables.every_node ? object.clusters.size() : kAreaClusters);
     const std::vector<FaceRange> ranges = cluster_ranges(object, areas.clusters);
-    const SeenCounts counts = count_seen_areas(object, node_directions(grid), ranges);
-    if (tables.visibility) store_visibility(counts, grid, areas);
-    if (tables.area) store_areas(object, counts, grid, ranges, areas);
+    const Measurement measured(object, grid, ranges);
+    if (tables.visibility) {
+        const std::vector<float> shares = measured.visibility();
+        areas.visibility.reserve(shares.size());
+        for (const float share : shares) areas.visibility.push_back(visibility_byte(static_cast<double>(share)));
+    }
+    if (tables.area) {
+        quantise(measured.whole_areas(), grid.size(), areas.whole, areas.whole_scale);
+        if (object.meta.convex) {  // nothing hides anything
+            areas.intrinsic = areas.whole;
+            areas.intrinsic_scale = areas.whole_scale;
+        } else {
+            quantise(measured.intrinsic_areas(areas.clusters), grid.size(), areas.intrinsic, areas.intrinsic_scale);
+        }
+    }
     return areas;
 }
 

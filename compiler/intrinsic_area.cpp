@@ -121,10 +121,10 @@ LineHits collect_hits(const ObjectData& object, const DirectionImage& image, std
 }  // namespace
 
 SampleCounts count_intrinsic(const ObjectData& object, std::span<const Vec3> directions,
-                             std::span<const std::uint32_t> clusters) {
+                             std::span<const std::uint32_t> clusters, std::uint32_t resolution) {
     const AreaTree tree = make_area_tree(object, clusters);
     // Half of the whole object's: the stored clusters are large, and every hit of a line costs.
-    const std::uint32_t resolution = (object.meta.image_resolution + 1) / 2;
+    const std::uint32_t half = (resolution + 1) / 2;
     const std::vector<std::uint32_t> opposite_of = opposite_directions(directions), face_by_side = faces_by_side(object);
     SampleCounts counts(clusters.size() * directions.size());
 
@@ -139,7 +139,7 @@ SampleCounts count_intrinsic(const ObjectData& object, std::span<const Vec3> dir
     parallel_for(directions.size(), 1, [&](std::size_t d) {
         const std::uint32_t opposite = opposite_of[d];
         if (opposite < d) return;  // done with its partner, on the same lines
-        const DirectionImage image = fit_image(object.positions, directions[d], resolution);
+        const DirectionImage image = fit_image(object.positions, directions[d], half);
         ViewerCounts toward(clusters.size()), behind(clusters.size());
         LineCounts covered(object.faces.size());
         if (!image.empty()) {

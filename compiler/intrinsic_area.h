@@ -9,7 +9,7 @@
 
 namespace rro {
 
-/// Sample counts of K clusters over D directions, from images of half meta.image_resolution: `seen` where the
+/// Sample counts of K clusters over D directions, from images of half that resolution: `seen` where the
 /// first of the cluster's own triangles along the line is a face of it, seen from its side. All clusters at once: along
 /// each line the nearest triangle decides for its cluster and all above; a farther one stops at the first that is
 /// decided.
@@ -19,6 +19,6 @@ namespace rro {
 /// returns    [K * D]
 /// source     design 3.4
 SampleCounts count_intrinsic(const ObjectData& object, std::span<const Vec3> directions,
-                             std::span<const std::uint32_t> clusters);
+                             std::span<const std::uint32_t> clusters, std::uint32_t resolution);
 
 }  // namespace rro

@@ -43,7 +43,7 @@ std::vector<FaceRange> cluster_ranges(const ObjectData& object, std::span<const 
 }
 
 SeenCounts count_seen_areas(const ObjectData& object, std::span<const Vec3> directions,
-                            std::span<const FaceRange> clusters) {
+                            std::span<const FaceRange> clusters, std::uint32_t resolution) {
     const std::size_t count = directions.size();
     const std::vector<FaceRange> patches = patch_ranges(object);
     const std::vector<std::uint32_t> face_by_side = faces_by_side(object), opposite_of = opposite_directions(directions);
@@ -59,7 +59,7 @@ SeenCounts count_seen_areas(const ObjectData& object, std::span<const Vec3> dire
     parallel_for(count, 1, [&](std::size_t d) {
         const std::uint32_t opposite = opposite_of[d];
         if (opposite < d) return;  // done with its partner, on the same lines
-        const DirectionImage image = fit_image(object.positions, directions[d], object.meta.image_resolution);
+        const DirectionImage image = fit_image(object.positions, directions[d], resolution);
         const auto [seen, covered] = count_samples(object, face_by_side, image);
         store(d, seen.toward, covered.toward);
         if (opposite != kNoDirection) store(opposite, seen.opposite, covered.opposite);

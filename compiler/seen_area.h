@@ -22,12 +22,12 @@ struct SeenCounts {
     SampleCounts patches, clusters, whole;  // [P * D], [K * D], [D]
 };
 
-/// From one image of meta.image_resolution^2 samples per direction, or per two opposite ones.
+/// From one image of resolution^2 samples per direction, or per two opposite ones.
 ///
 /// directions   [D] unit, from the object to its viewer
 /// clusters     [K] their faces
 SeenCounts count_seen_areas(const ObjectData& object, std::span<const Vec3> directions,
-                            std::span<const FaceRange> clusters);
+                            std::span<const FaceRange> clusters, std::uint32_t resolution);
 
 /// Sum of A max(0, n . w) over the faces of each range. [ranges * D], m^2
 std::vector<double> cosine_sums(const ObjectData& object, std::span<const Vec3> directions,

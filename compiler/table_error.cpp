@@ -98,7 +98,7 @@ TableErrors measure_table_errors(const ObjectData& object) {
     const std::vector<Vec3> directions = directions_between_nodes();
     const std::vector<FaceRange> clusters = cluster_ranges(object, object.area_clusters);
     const std::vector<double> cosine = cosine_sums(object, directions, clusters);
-    const SeenCounts counts = count_seen_areas(object, directions, clusters);
+    const SeenCounts counts = count_seen_areas(object, directions, clusters, object.meta.image_resolution);
 
     TableErrors errors;
     errors.directions = static_cast<std::uint32_t>(directions.size());
@@ -108,7 +108,7 @@ TableErrors measure_table_errors(const ObjectData& object) {
     errors.intrinsic = object.meta.convex
                            ? errors.whole
                            : area_errors(grid, directions, object.intrinsic_area, object.intrinsic_area_scale, cosine,
-                                         count_intrinsic(object, directions, object.area_clusters));
+                                         count_intrinsic(object, directions, object.area_clusters, object.meta.image_resolution));
     return errors;
 }
 

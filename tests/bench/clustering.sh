@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # What the five factors of clustering are worth: each object is compiled with several weights, lit by one small lamp over a
-# grey floor, and solved; error against the same Monte Carlo reference, and links. Prints a Markdown table.
+# black floor, and solved; error against the same Monte Carlo reference, and links. Prints a Markdown table.
 #
 #   tests/bench/clustering.sh RRO_COMPILE ACCURACY_BENCH SAMPLES ACCURACY MESH...
 set -euo pipefail
@@ -16,14 +16,15 @@ trap 'rm -rf "$work"' EXIT
 
 # proximity, orientation, reflectivity, aspect ratio, size
 declare -A weights=(
-    [1 all]=1,1,0.5,0.25,0.25
+    [1 the defaults]=1,10,0.5,0.25,0.25
     [2 proximity alone]=1,0,0,0,0
     [3 no orientation]=1,0,0.5,0.25,0.25
-    [4 no reflectivity]=1,1,0,0.25,0.25
-    [5 no aspect]=1,1,0.5,0,0.25
-    [6 no size]=1,1,0.5,0.25,0
-    [7 orientation x 4]=1,4,0.5,0.25,0.25
-    [8 all but proximity x 4]=1,4,2,1,1
+    [4 orientation 1]=1,1,0.5,0.25,0.25
+    [5 orientation 4]=1,4,0.5,0.25,0.25
+    [6 no reflectivity]=1,10,0,0.25,0.25
+    [7 no aspect]=1,10,0.5,0,0.25
+    [8 no size]=1,10,0.5,0.25,0
+    [9 the last three x 10]=1,10,5,2.5,2.5
 )
 
 cat >"$work/stage.obj" <<'OBJ'
@@ -59,7 +60,7 @@ print(size, -(low[0] + high[0]) / 2, -low[1], -(low[2] + high[2]) / 2)')
 {"format": "rro-scene/1", "instances": [
   {"name": "object", "archive": "object.rro", "transform": {"translate": [$x, $y, $z]},
    "materials": {"*": {"exitance": [0, 0, 0]}}},
-  {"name": "stage", "archive": "stage.rro", "transform": {"scale": $size}, "materials": {"*": {"reflectance": [0.6, 0.6, 0.6]}}},
+  {"name": "stage", "archive": "stage.rro", "transform": {"scale": $size}, "materials": {"*": {"reflectance": [0, 0, 0]}}},
   {"name": "lamp", "archive": "lamp.rro",
    "transform": {"scale": $size, "translate": [$size, $(python3 -c "print(1.8 * $size)"), $size]},
    "materials": {"*": {"exitance": [100, 100, 100]}}}]}

@@ -75,6 +75,23 @@ bool same(const CompiledObject& a, const CompiledObject& b) {
 
 // A table value is rounded to 1/127 of the table's largest value, and that to a byte.
 constexpr double kHalfStep = 0.5 / 127 + 0.5 / 255 + 1e-6;
+// The fit to directions between the nodes takes a node off its own value, the more the nearer it is to a crease: for
+// boxes and plates on 12 x 12 directions by up to 5 % of the largest. What that gains between them is tested below.
+constexpr double kFit = 0.05;
+
+/// Root mean square over the sphere of what the root's interpolated area, or any table's, is off by.
+double error_over_sphere(const DirectionGrid& grid, const std::vector<double>& table, double (*exact)(const Vec3&)) {
+    constexpr int kDirections = 5000;
+    double sum = 0;
+    for (int i = 0; i < kDirections; ++i) {
+        const double y = 1 - (2 * i + 1.0) / kDirections, turn = 2 * std::numbers::pi * i / std::numbers::phi;
+        const double r = std::sqrt(1 - y * y);
+        const Vec3 w{r * std::cos(turn), y, r * std::sin(turn)};
+        const double off = grid.interpolate(std::span<const double>(table), w) - exact(w);
+        sum += off * off;
+    }
+    return std::sqrt(sum / kDirections);
+}
 
 }  // namespace
 
@@ -87,9 +104,23 @@ TEST_CASE("a box shows its exact projected area", "[compiler][effective_area]") 
     for (std::uint32_t d = 0; d < grid.size(); ++d) {
         const Vec3 w = grid.direction(d);
         const double exact = 15 * std::abs(w.x) + 10 * std::abs(w.y) + 6 * std::abs(w.z);
-        // Seen and covered samples are the same; a ray in single precision may fall to the other side of an edge.
-        CHECK(std::abs(area_value(object, 0, d) - exact) <= 0.001 * exact + kHalfStep * object.whole_area_scale[0]);
+        CHECK(std::abs(area_value(object, 0, d) - exact) <= (kFit + kHalfStep) * object.whole_area_scale[0]);
     }
+}
+
+TEST_CASE("a table of fitted areas errs less than exact areas at its nodes", "[compiler][effective_area]") {
+    const GridMap map = GENERATE(GridMap::Octahedral, GridMap::LatLong);
+    const CompiledObject object = compiled(test::make_box(2, 3, 5, 4), quick(map));
+    const DirectionGrid grid = grid_of(object);
+    const auto exact = [](const Vec3& w) { return 15 * std::abs(w.x) + 10 * std::abs(w.y) + 6 * std::abs(w.z); };
+    std::vector<double> stored, at_nodes;
+    for (std::uint32_t d = 0; d < grid.size(); ++d) {
+        stored.push_back(area_value(object, 0, d));
+        at_nodes.push_back(exact(grid.direction(d)));
+    }
+    const double fitted = error_over_sphere(grid, stored, exact), plain = error_over_sphere(grid, at_nodes, exact);
+    INFO("fitted " << fitted << ", exact at the nodes " << plain);
+    CHECK(fitted < 0.9 * plain);
 }
 
 TEST_CASE("a convex object's mean effective area is a quarter of its surface", "[compiler][effective_area]") {
@@ -144,16 +175,24 @@ TEST_CASE("a cluster alone shows at least what it shows within its object", "[co
     // Two images of different resolution: the share of a cluster of a few samples differs by a sample or two.
     CHECK(largest_excess < 0.1);
     CHECK(hidden > 0.5);  // the facing sides hide each other
-    // The two halves of the tree are the boxes: alone, each shows its exact projection.
+}
+
+TEST_CASE("a box far from another shows its projection by itself", "[compiler][effective_area]") {
+    // So far that the two halves of the tree are the boxes.
+    const CompiledObject object = compiled(test::make_two_boxes(1, 8, 6));
+    const DirectionGrid grid = grid_of(object);
+    int boxes = 0;
     for (std::size_t k = 0; k < object.area_clusters.size(); ++k) {
         const Cluster& cluster = object.clusters[object.area_clusters[k]];
         if (std::abs(cluster.area - 6) > 1e-4) continue;
+        ++boxes;
         for (std::uint32_t d = 0; d < grid.size(); ++d) {
             const Vec3 w = grid.direction(d);
-            CHECK(area_value(object, k, d, true) ==
-                  Approx(std::abs(w.x) + std::abs(w.y) + std::abs(w.z)).epsilon(0.01));
+            CHECK(std::abs(area_value(object, k, d, true) - (std::abs(w.x) + std::abs(w.y) + std::abs(w.z))) <=
+                  (kFit + kHalfStep) * object.intrinsic_area_scale[k]);
         }
     }
+    CHECK(boxes == 2);
 }
 
 TEST_CASE("one box hides the other along their axis", "[compiler][effective_area]") {
@@ -167,7 +206,7 @@ TEST_CASE("one box hides the other along their axis", "[compiler][effective_area
     for (std::uint32_t d = 0; d < grid.size(); ++d)
         if (grid.direction(d).y > grid.direction(along).y) along = d;
     REQUIRE(grid.direction(along).y > 1 - 1e-12);
-    CHECK(area_value(object, 0, along) == Approx(1).epsilon(0.01));  // not 2
+    CHECK(area_value(object, 0, along) == Approx(1).epsilon(0.1));  // not 2; the area's steepest valley, and the fit rounds it
 }
 
 TEST_CASE("a room shows nothing to the outside", "[compiler][effective_area]") {
@@ -197,12 +236,12 @@ TEST_CASE("a two-sided quad shows A |cos| from both sides", "[compiler][effectiv
     const DirectionGrid grid = grid_of(object);
     for (std::uint32_t d = 0; d < grid.size(); ++d)
         CHECK(std::abs(area_value(object, 0, d) - 6 * std::abs(grid.direction(d).y)) <=
-              0.01 + kHalfStep * object.whole_area_scale[0]);
+              (kFit + kHalfStep) * object.whole_area_scale[0]);
     // One-sided, the back is black.
     const CompiledObject front = compiled(test::make_quad(2, 3, false));
     for (std::uint32_t d = 0; d < grid.size(); ++d)
         CHECK(std::abs(area_value(front, 0, d) - 6 * std::max(0.0, grid.direction(d).y)) <=
-              0.01 + kHalfStep * front.whole_area_scale[0]);
+              (kFit + kHalfStep) * front.whole_area_scale[0]);
 }
 
 TEST_CASE("two one-sided quads in one place, back to back, show what a two-sided one does", "[compiler][effective_area]") {
@@ -215,7 +254,7 @@ TEST_CASE("two one-sided quads in one place, back to back, show what a two-sided
     for (std::uint32_t d = 0; d < grid.size(); ++d)
         for (const bool intrinsic : {false, true})
             CHECK(std::abs(area_value(object, 0, d, intrinsic) - std::abs(dot(normal, grid.direction(d)))) <=
-                  0.01 + kHalfStep * object.whole_area_scale[0]);
+                  (kFit + kHalfStep) * object.whole_area_scale[0]);
 }
 
 TEST_CASE("a plate halves what is seen of another", "[compiler][effective_area]") {
