@@ -265,7 +265,9 @@ std::optional<std::uint32_t> ObjReader::texture_of(const std::string& name) {
     for (char& c : portable)
         if (c == '\\') c = '/';
     std::filesystem::path file = library_folder_ / portable;
-    if (!files_.has(file)) file = library_folder_ / std::filesystem::path(portable).filename();
+    std::error_code ignored;
+    if (!files_.has(file) && !std::filesystem::exists(file, ignored))
+        file = library_folder_ / std::filesystem::path(portable).filename();
     const auto bytes = files_.read(file);
     auto texture = bytes ? decode_texture(*bytes, pixels_left(mesh_, files_.limits())) : bytes.error();
     if (!texture) {

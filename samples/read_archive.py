@@ -57,13 +57,15 @@ TABLES = {
     "Hit": {"volumes": "[uint]", "whole": "[ubyte]", "intrinsic": "[ubyte]"},
     "Atlas": {"centre": "Vec3f", "radius": "float", "grid_size": "uint", "image_size": "uint",
               "coverage": "[ubyte]"},
+    "Selflinks": {"steps": "[ubyte]", "exchange": "[float]", "visibility": "[ubyte]",
+                  "escape": "[float]", "received": "[float]", "black": "[float]"},
 }
 RECORDS = {name: collections.namedtuple(name, members) for name, members in STRUCTS.items()}
 
 # ---- format/FORMAT.md
 
 REQUIRED = ("meta", "mesh", "materials", "patches", "clusters", "source")
-KNOWN = REQUIRED + ("area", "visibility", "errors", "hbv", "hit", "atlas")
+KNOWN = REQUIRED + ("area", "visibility", "errors", "hbv", "hit", "atlas", "selflinks")
 MAGIC, MAJOR = b"RRO\x1a", 1
 HEADER, ENTRY = struct.Struct("<4sHHQQIIII"), struct.Struct("<24sIIQQQQ")
 CODECS = RAW, ZLIB = 0, 1
@@ -334,6 +336,10 @@ def check_contents(sections):
     if "atlas" in sections:
         atlas = sections["atlas"]
         check_length(sections, "atlas", "coverage", atlas["grid_size"]**2 // 2 * atlas["image_size"]**2)
+    if "selflinks" in sections:
+        links = sections["selflinks"]["steps"].count(1)
+        for name in ("exchange", "visibility"):
+            check_length(sections, "selflinks", name, links)
     if "visibility" in sections:
         check_length(sections, "visibility", "visibility", len(patches) * size**2)
     if "area" in sections:

@@ -204,7 +204,7 @@ TEST_CASE("an archive holds the tables that --tables names, and says so", "[comp
     }
 }
 
-TEST_CASE("--tables all is for every node, default for the largest", "[compiler][build]") {
+TEST_CASE("tables: all is for every node, default for the largest", "[compiler][build]") {
     const Folder folder;
     // A sheet of 1,500 steps: more clusters and volumes than the largest thousand.
     std::string steps;
