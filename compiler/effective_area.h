@@ -25,6 +25,9 @@ struct EffectiveAreas {
 /// nothing or everything hides the cluster. Shares from few samples, or none (the cluster faces away, or is smaller
 /// than a pixel), lean on the neighbouring directions and, last, on the whole object's share.
 ///
+/// The values at the nodes are then fitted to what is seen from directions between them too, about as many, so that
+/// interpolation errs less everywhere: 15 to 35 % less for whole objects, 2 to 18 % for the median cluster and patch.
+///
 /// Whole-object areas and visibility come from images of meta.image_resolution^2 samples, intrinsic ones from a quarter
 /// as many. The intrinsic share counts a sample where the first hit among the cluster's own triangles is one of its
 /// faces, seen from its side: backs block, and so does the black side that a two-sided triangle turns to another
