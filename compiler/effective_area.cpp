@@ -81,32 +81,32 @@ std::vector<Vec3> directions_between(const DirectionGrid& grid) {
 /// What was measured at the nodes of the grid and between them, and the fit to both.
 class Measurement {
   public:
-    Measurement(const ObjectData& object, const DirectionGrid& grid, std::span<const FaceRange> clusters)
+    Measurement(const ObjectData& object, const DirectionGrid& grid, std::span<const std::uint32_t> clusters)
         : object_(object),
           grid_(grid),
           nodes_(node_directions(grid)),
           between_(directions_between(grid)),
           clusters_(clusters),
           fit_(grid, joined(nodes_, between_)),
-          at_nodes_(count_seen_areas(object, nodes_, clusters, object.meta.image_resolution)),
-          at_between_(count_seen_areas(object, between_, clusters, between_resolution())) {}
+          at_nodes_(count_seen_areas(object, nodes_, cluster_ranges(object, clusters), object.meta.image_resolution)),
+          at_between_(count_seen_areas(object, between_, cluster_ranges(object, clusters), between_resolution())),
+          cosine_(patch_cosines(object, nodes_)),
+          cosine_between_(patch_cosines(object, between_)) {}
 
     /// Share of each patch that is seen. [P * D]
     std::vector<float> visibility() const {
         std::vector<float> shares = visible_shares(at_nodes_.patches, at_nodes_.whole, grid_);
-        const std::vector<FaceRange> patches = patch_ranges(object_);
-        const std::vector<double> cosine = cosine_sums(object_, nodes_, patches), cosine_between = cosine_sums(object_, between_, patches);
         for_each_table(shares, [&](std::size_t p, std::span<float> nodes, std::span<float> samples, std::span<float> weights) {
             // What counts is the seen area, share times cosine; a few samples say less than many.
             const double area = static_cast<double>(object_.patches[p].area);
             for (std::size_t d = 0; d < nodes.size(); ++d) {
                 samples[d] = nodes[d];
-                weights[d] = static_cast<float>(std::pow(cosine[p * nodes.size() + d] / area, 2));
+                weights[d] = static_cast<float>(std::pow(cosine_[p * nodes.size() + d] / area, 2));
             }
             for (std::size_t e = 0; e < between_.size(); ++e) {
                 const std::size_t i = p * between_.size() + e;
                 samples[nodes.size() + e] = share_of(at_between_.patches, i);
-                weights[nodes.size() + e] = static_cast<float>(std::pow(cosine_between[i] / area, 2) * trust(at_between_.patches, i));
+                weights[nodes.size() + e] = static_cast<float>(std::pow(cosine_between_[i] / area, 2) * trust(at_between_.patches, i));
             }
             fit_.fit(samples, weights, nodes);
             for (float& share : nodes) share = std::clamp(share, 0.0f, 1.0f);
@@ -118,9 +118,9 @@ class Measurement {
     std::vector<float> whole_areas() const { return areas(at_nodes_.clusters, at_between_.clusters); }
 
     /// Intrinsic areas. [K * D], m^2
-    std::vector<float> intrinsic_areas(std::span<const std::uint32_t> clusters) const {
-        return areas(count_intrinsic(object_, nodes_, clusters, object_.meta.image_resolution),
-                     count_intrinsic(object_, between_, clusters, between_resolution()));
+    std::vector<float> intrinsic_areas() const {
+        return areas(count_intrinsic(object_, nodes_, clusters_, object_.meta.image_resolution),
+                     count_intrinsic(object_, between_, clusters_, between_resolution()));
     }
 
   private:
@@ -150,7 +150,8 @@ class Measurement {
 
     std::vector<float> areas(const SampleCounts& at_nodes, const SampleCounts& at_between) const {
         std::vector<float> values = visible_shares(at_nodes, at_nodes_.whole, grid_);
-        const std::vector<double> cosine = cosine_sums(object_, nodes_, clusters_), cosine_between = cosine_sums(object_, between_, clusters_);
+        const std::vector<double> cosine = cluster_cosines(object_, cosine_, nodes_.size(), clusters_);
+        const std::vector<double> cosine_between = cluster_cosines(object_, cosine_between_, between_.size(), clusters_);
         for (std::size_t i = 0; i < values.size(); ++i) values[i] *= static_cast<float>(cosine[i]);
         for_each_table(values, [&](std::size_t k, std::span<float> nodes, std::span<float> samples, std::span<float> weights) {
             std::copy(nodes.begin(), nodes.end(), samples.begin());
@@ -169,9 +170,10 @@ class Measurement {
     const ObjectData& object_;
     const DirectionGrid& grid_;
     std::vector<Vec3> nodes_, between_;
-    std::span<const FaceRange> clusters_;
+    std::span<const std::uint32_t> clusters_;
     TableFit fit_;
     SeenCounts at_nodes_, at_between_;
+    std::vector<double> cosine_, cosine_between_;  // of patches
 };
 
 }  // namespace
@@ -184,8 +186,7 @@ EffectiveAreas measure_effective_areas(const ObjectData& object, const TableChoi
     if (tables.area)
         areas.clusters =
             largest_clusters(object.clusters, tables.every_node ? object.clusters.size() : kAreaClusters);
-    const std::vector<FaceRange> ranges = cluster_ranges(object, areas.clusters);
-    const Measurement measured(object, grid, ranges);
+    const Measurement measured(object, grid, areas.clusters);
     if (tables.visibility) {
         const std::vector<float> shares = measured.visibility();
         areas.visibility.reserve(shares.size());
@@ -197,7 +198,7 @@ EffectiveAreas measure_effective_areas(const ObjectData& object, const TableChoi
             areas.intrinsic = areas.whole;
             areas.intrinsic_scale = areas.whole_scale;
         } else {
-            quantise(measured.intrinsic_areas(areas.clusters), grid.size(), areas.intrinsic, areas.intrinsic_scale);
+            quantise(measured.intrinsic_areas(), grid.size(), areas.intrinsic, areas.intrinsic_scale);
         }
     }
     return areas;

@@ -25,38 +25,59 @@ constexpr std::size_t kOpenHeaps = 32;    // along the Morton curve; at least on
 struct Sums {
     Vec3 area_vector, reflectance;  // reflectance times area
     double area = 0;
-
-    void add(const Surface& surface, std::uint32_t face) {
-        const double a = length(surface.area_vector[face]);
-        area_vector += surface.area_vector[face];
-        reflectance += surface.reflectance[face] * a;
-        area += a;
-    }
 };
 
-bool fits(const Surface& surface, const PatchLimits& limits, const Sums& sums, std::uint32_t face) {
-    const Vec3& n = surface.area_vector[face];
-    if (dot(n, sums.area_vector) < limits.cone_cosine * length(n) * length(sums.area_vector)) return false;
-    const Vec3 off = surface.reflectance[face] - sums.reflectance / sums.area;
-    return std::max({std::abs(off.x), std::abs(off.y), std::abs(off.z)}) <= limits.reflectance_spread;
-}
+/// What the limits say of faces and patches. Areas are looked at over and over, so they are computed once.
+class Judge {
+  public:
+    Judge(const Surface& surface, const PatchLimits& limits) : surface_(surface), limits_(limits) {
+        area_.reserve(surface.faces.size());
+        for (const Vec3& a : surface.area_vector) area_.push_back(length(a));
+    }
 
-Sums sums_of(const Surface& surface, std::span<const std::uint32_t> faces) {
-    Sums sums;
-    for (const std::uint32_t f : faces) sums.add(surface, f);
-    return sums;
-}
+    double area(std::uint32_t face) const { return area_[face]; }
 
-bool all_fit(const Surface& surface, const PatchLimits& limits, std::span<const std::uint32_t> faces) {
-    const Sums sums = sums_of(surface, faces);
-    return std::all_of(faces.begin(), faces.end(), [&](std::uint32_t f) { return fits(surface, limits, sums, f); });
-}
+    void add(Sums& sums, std::uint32_t face) const {
+        sums.area_vector += surface_.area_vector[face];
+        sums.reflectance += surface_.reflectance[face] * area_[face];
+        sums.area += area_[face];
+    }
+
+    Sums sums_of(std::span<const std::uint32_t> faces) const {
+        Sums sums;
+        for (const std::uint32_t f : faces) add(sums, f);
+        return sums;
+    }
+
+    bool fits(const Sums& sums, std::uint32_t face) const {
+        return fits(sums.area_vector, limits_.cone_cosine * length(sums.area_vector), sums.reflectance / sums.area, face);
+    }
+
+    bool all_fit(std::span<const std::uint32_t> faces) const {
+        const Sums sums = sums_of(faces);
+        const double least = limits_.cone_cosine * length(sums.area_vector);
+        const Vec3 reflectance = sums.reflectance / sums.area;
+        return std::all_of(faces.begin(), faces.end(),
+                           [&](std::uint32_t f) { return fits(sums.area_vector, least, reflectance, f); });
+    }
+
+  private:
+    bool fits(const Vec3& area_vector, double least, const Vec3& reflectance, std::uint32_t face) const {
+        if (dot(surface_.area_vector[face], area_vector) < least * area_[face]) return false;
+        const Vec3 off = surface_.reflectance[face] - reflectance;
+        return std::max({std::abs(off.x), std::abs(off.y), std::abs(off.z)}) <= limits_.reflectance_spread;
+    }
+
+    const Surface& surface_;
+    const PatchLimits& limits_;
+    std::vector<double> area_;  // [F] m^2
+};
 
 /// Grows one patch after the other and remembers who owns which face.
 class Growth {
   public:
     Growth(const Surface& surface, const PatchLimits& limits, const FaceAdjacency& adjacency)
-        : surface_(surface), limits_(limits), adjacency_(adjacency) {
+        : surface_(surface), limits_(limits), adjacency_(adjacency), judge_(surface, limits) {
         owner_.assign(surface.faces.size(), kNone);
         queued_for_.assign(surface.faces.size(), kNone);
         centre_.reserve(surface.faces.size());
@@ -101,8 +122,8 @@ class Growth {
         while (!nearest.empty()) {
             const std::uint32_t face = nearest.top().second;
             if (face != seed) {
-                if (sums.area + length(surface_.area_vector[face]) > limits_.largest_area) break;
-                if (!fits(surface_, limits_, sums, face)) {
+                if (sums.area + judge_.area(face) > limits_.largest_area) break;
+                if (!judge_.fits(sums, face)) {
                     rim_.push_back(face);
                     nearest.pop();
                     continue;
@@ -110,7 +131,7 @@ class Growth {
             }
             nearest.pop();
             taken.push_back(face);
-            sums.add(surface_, face);
+            judge_.add(sums, face);
             for (const std::uint32_t next : neighbours(face)) {
                 if (owner_[next] != kNone || queued_for_[next] == id) continue;
                 if (surface_.material[next] != surface_.material[seed]) continue;
@@ -128,30 +149,34 @@ class Growth {
     void release_misfits(std::vector<std::uint32_t>& taken) {
         const std::uint32_t seed = taken.front();
         constexpr int kRounds = 4;  // each round moves the mean less; nearly all patches need none or one
-        for (int round = 0; round < kRounds && !all_fit(surface_, limits_, taken); ++round) {
-            const Sums sums = sums_of(surface_, taken);
+        for (int round = 0; round < kRounds && !judge_.all_fit(taken); ++round) {
+            const Sums sums = judge_.sums_of(taken);
             std::erase_if(taken, [&](std::uint32_t f) {
-                const bool out = f != seed && !fits(surface_, limits_, sums, f);
+                const bool out = f != seed && !judge_.fits(sums, f);
                 if (out) rim_.push_back(f);
                 return out;
             });
         }
-        if (all_fit(surface_, limits_, taken)) return;
-        rim_.insert(rim_.end(), taken.begin() + 1, taken.end());
-        taken.resize(1);
+        // Else the nearer half, and so on.
+        while (taken.size() > 1 && !judge_.all_fit(taken)) {
+            const std::size_t kept = taken.size() / 2;
+            rim_.insert(rim_.end(), taken.begin() + static_cast<std::ptrdiff_t>(kept), taken.end());
+            taken.resize(kept);
+        }
     }
 
     /// Small leftovers between patches join the nearest neighbour that stays within the limits.
     void join_crumbs() {
         constexpr std::size_t kTries = 8;
         for (std::uint32_t p = 0; p < patches_.size(); ++p) {
-            const double area = sums_of(surface_, patches_[p]).area;
+            const double area = judge_.sums_of(patches_[p]).area;
             if (area >= kCrumbShare * limits_.largest_area) continue;
             std::vector<std::uint32_t> near = patches_beside(p);
             for (std::size_t k = 0; k < std::min(near.size(), kTries); ++k) {
+                if (judge_.sums_of(patches_[near[k]]).area + area > limits_.largest_area) continue;
                 std::vector<std::uint32_t> both = patches_[near[k]];
                 both.insert(both.end(), patches_[p].begin(), patches_[p].end());
-                if (sums_of(surface_, both).area > limits_.largest_area || !all_fit(surface_, limits_, both)) continue;
+                if (!judge_.all_fit(both)) continue;
                 for (const std::uint32_t f : patches_[p]) owner_[f] = near[k];
                 patches_[near[k]] = std::move(both);
                 patches_[p].clear();
@@ -171,7 +196,7 @@ class Growth {
         std::vector<std::uint32_t> dust;
         std::vector<Vec3> centres;
         for (std::uint32_t p = 0; p < patches_.size(); ++p) {
-            if (sums_of(surface_, patches_[p]).area >= kDustShare * limits_.largest_area) continue;
+            if (judge_.sums_of(patches_[p]).area >= kDustShare * limits_.largest_area) continue;
             dust.push_back(p);
             centres.push_back(centre_[patches_[p].front()]);
         }
@@ -179,7 +204,7 @@ class Growth {
         std::deque<Heap> open;  // the most recent first
         for (const std::uint32_t i : morton_order(centres)) {
             const std::uint32_t p = dust[i];
-            Heap own{p, sums_of(surface_, patches_[p]).area, box_of(patches_[p])};
+            Heap own{p, judge_.sums_of(patches_[p]).area, box_of(patches_[p])};
             const auto takes = [&](const Heap& heap) {
                 Box3 box = heap.box;
                 box.add(own.box);
@@ -188,7 +213,7 @@ class Growth {
                 if (surface_.material[patches_[heap.patch].front()] != surface_.material[patches_[p].front()]) return false;
                 std::vector<std::uint32_t> both = patches_[heap.patch];
                 both.insert(both.end(), patches_[p].begin(), patches_[p].end());
-                return all_fit(surface_, limits_, both);
+                return judge_.all_fit(both);
             };
             const auto found = std::find_if(open.begin(), open.end(), takes);
             if (found == open.end()) {
@@ -229,6 +254,7 @@ class Growth {
     const Surface& surface_;
     const PatchLimits& limits_;
     const FaceAdjacency& adjacency_;
+    Judge judge_;
     std::vector<std::uint32_t> owner_;       // [F] patch, or kNone
     std::vector<std::uint32_t> queued_for_;  // [F] the last patch that looked at the face
     std::vector<Vec3> centre_;               // [F]

@@ -67,19 +67,28 @@ SeenCounts count_seen_areas(const ObjectData& object, std::span<const Vec3> dire
     return counts;
 }
 
-std::vector<double> cosine_sums(const ObjectData& object, std::span<const Vec3> directions,
-                                std::span<const FaceRange> ranges) {
-    std::vector<Vec3> area_vectors;
-    area_vectors.reserve(object.faces.size());
-    for (const Face f : object.faces) area_vectors.push_back(area_vector(object.corners(f)));
-    std::vector<double> result(ranges.size() * directions.size());
-    parallel_for(directions.size(), 1, [&](std::size_t d) {
-        std::vector<double> projected;
-        projected.reserve(area_vectors.size());
-        for (const Vec3& a : area_vectors) projected.push_back(std::max(0.0, dot(a, directions[d])));
-        const std::vector<double> sums = prefix_sums<double>(std::span<const double>(projected));
-        for (std::size_t i = 0; i < ranges.size(); ++i)
-            result[i * directions.size() + d] = std::max(0.0, sums[ranges[i].end] - sums[ranges[i].begin]);
+std::vector<double> patch_cosines(const ObjectData& object, std::span<const Vec3> directions) {
+    const std::size_t count = directions.size();
+    std::vector<double> result(object.patches.size() * count, 0);
+    parallel_for(object.patches.size(), 4, [&](std::size_t p) {
+        const auto row = std::span(result).subspan(p * count, count);
+        const Patch& patch = object.patches[p];
+        for (std::uint32_t f = patch.first_face; f < patch.first_face + patch.face_count; ++f) {
+            const Vec3 area = area_vector(object.corners(object.faces[f]));
+            for (std::size_t d = 0; d < count; ++d) row[d] += std::max(0.0, dot(area, directions[d]));
+        }
+    });
+    return result;
+}
+
+std::vector<double> cluster_cosines(const ObjectData& object, std::span<const double> of_patches, std::size_t directions,
+                                    std::span<const std::uint32_t> clusters) {
+    std::vector<double> result(clusters.size() * directions, 0);
+    parallel_for(clusters.size(), 4, [&](std::size_t k) {
+        const Cluster& cluster = object.clusters[clusters[k]];
+        const auto row = std::span(result).subspan(k * directions, directions);
+        for (std::uint32_t p = cluster.first_patch; p < cluster.first_patch + cluster.patch_count; ++p)
+            for (std::size_t d = 0; d < directions; ++d) row[d] += of_patches[p * directions + d];
     });
     return result;
 }

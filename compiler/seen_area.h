@@ -29,8 +29,11 @@ struct SeenCounts {
 SeenCounts count_seen_areas(const ObjectData& object, std::span<const Vec3> directions,
                             std::span<const FaceRange> clusters, std::uint32_t resolution);
 
-/// Sum of A max(0, n . w) over the faces of each range. [ranges * D], m^2
-std::vector<double> cosine_sums(const ObjectData& object, std::span<const Vec3> directions,
-                                std::span<const FaceRange> ranges);
+/// Sum of A max(0, n . w) over the faces of each patch. [P * D], m^2
+std::vector<double> patch_cosines(const ObjectData& object, std::span<const Vec3> directions);
+
+/// The same for clusters, from the sums of their patches. [K * D], m^2
+std::vector<double> cluster_cosines(const ObjectData& object, std::span<const double> of_patches, std::size_t directions,
+                                    std::span<const std::uint32_t> clusters);
 
 }  // namespace rro

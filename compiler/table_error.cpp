@@ -70,9 +70,9 @@ std::vector<float> area_errors(const DirectionGrid& grid, std::span<const Vec3> 
 
 /// Of every patch's seen area, each for itself, summed over the patches of a cluster.
 std::vector<float> visibility_errors(const ObjectData& object, const DirectionGrid& grid,
-                                     std::span<const Vec3> directions, const SampleCounts& counts) {
+                                     std::span<const Vec3> directions, std::span<const double> cosine,
+                                     const SampleCounts& counts) {
     const std::size_t count = directions.size();
-    const std::vector<double> cosine = cosine_sums(object, directions, patch_ranges(object));
     std::vector<Squares> patches(object.patches.size());
     parallel_for(patches.size(), 64, [&](std::size_t p) {
         const auto row = object.visibility.subspan(p * grid.size(), grid.size());
@@ -97,14 +97,15 @@ TableErrors measure_table_errors(const ObjectData& object) {
     const DirectionGrid grid(object.meta.grid_map, object.meta.grid_size);
     const std::vector<Vec3> directions = directions_between_nodes();
     const std::vector<FaceRange> clusters = cluster_ranges(object, object.area_clusters);
-    const std::vector<double> cosine = cosine_sums(object, directions, clusters);
+    const std::vector<double> of_patches = patch_cosines(object, directions);
+    const std::vector<double> cosine = cluster_cosines(object, of_patches, directions.size(), object.area_clusters);
     const SeenCounts counts = count_seen_areas(object, directions, clusters, object.meta.image_resolution);
 
     TableErrors errors;
     errors.directions = static_cast<std::uint32_t>(directions.size());
     errors.whole =
         area_errors(grid, directions, object.whole_area, object.whole_area_scale, cosine, counts.clusters);
-    errors.visibility = visibility_errors(object, grid, directions, counts.patches);
+    errors.visibility = visibility_errors(object, grid, directions, of_patches, counts.patches);
     errors.intrinsic = object.meta.convex
                            ? errors.whole
                            : area_errors(grid, directions, object.intrinsic_area, object.intrinsic_area_scale, cosine,
