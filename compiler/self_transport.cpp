@@ -34,7 +34,7 @@ constexpr double kShadowShare = 0.5;
 constexpr double kSeparated = 2;
 // Patches nearer than this many radii, and of few faces, take the exact kernel.
 constexpr double kKernelRadii = 3;
-constexpr std::uint32_t kKernelFaces = 16;
+constexpr std::uint32_t kKernelFaces = 64;
 constexpr std::uint32_t kKernelPoints = 8;
 
 // Points on each cluster, evenly by area. Lines pair those of two clusters off, in several orders.
@@ -226,10 +226,13 @@ class PairJudge {
             if (!negligible && m.exchange * std::hypot(v * shape, shadow) > tolerance) return {split, 0, 0};
         }
         Measured m = lines_of_link(first, second, most, tolerance);
-        const bool a_has_fewer = a.end - a.begin < b.end - b.begin;
-        const End &polygons = a_has_fewer ? a : b, &points = a_has_fewer ? b : a;
-        if (a.patch && b.patch && distance < kKernelRadii * widest && polygons.end - polygons.begin <= kKernelFaces)
-            m.exchange = kernel_exchange(points, polygons, mix64(std::uint64_t{first} << 32 | second));
+        if (a.patch && b.patch && distance < kKernelRadii * widest) {
+            // Points on the smaller end see all of the larger one; points on the larger one would miss the smaller.
+            const bool a_is_smaller = a.area < b.area;
+            const End &points = a_is_smaller ? a : b, &polygons = a_is_smaller ? b : a;
+            if (polygons.end - polygons.begin <= kKernelFaces)
+                m.exchange = kernel_exchange(points, polygons, mix64(std::uint64_t{first} << 32 | second));
+        }
         return link(m);
     }
 
@@ -360,6 +363,31 @@ void join_hidden(std::vector<Growing>& tree) {
     }
 }
 
+/// No patch receives more than it would inside a closed white room: 1 under unit radiosity all around. Where links of a
+/// cluster and of those above it say clearly more (small scraps between large faces, of which few lines hit the nearest
+/// parts), its own links are scaled down. A little more is noise, as likely as a little less, and stays.
+void bound_rows(const ObjectData& object, std::vector<Growing>& tree) {
+    const std::size_t count = object.clusters.size();
+    std::vector<double> direct(count, 0), above(count, 0), factor(count, 1);
+    const auto area = [&](std::uint32_t c) { return std::max(static_cast<double>(object.clusters[c].area), 1e-300); };
+    const auto is_link = [](const Growing& g) { return g.child_count == 0 && g.verdict.step == PairStep::Link; };
+    for (const Growing& g : tree) {
+        if (!is_link(g)) continue;
+        const double seen = g.verdict.exchange * g.verdict.visibility;
+        direct[g.pair.a] += seen / area(g.pair.a);
+        if (g.pair.a != g.pair.b) direct[g.pair.b] += seen / area(g.pair.b);
+    }
+    for (std::uint32_t c = 0; c < count; ++c) {  // parents come first
+        constexpr double kClearlyMore = 1.5;
+        if (direct[c] > 0 && above[c] + direct[c] > kClearlyMore)
+            factor[c] = std::max(0.0, kClearlyMore - above[c]) / direct[c];
+        const double own = above[c] + factor[c] * direct[c];
+        if (const std::uint32_t right = object.clusters[c].right_child; right != 0) above[c + 1] = above[right] = own;
+    }
+    for (Growing& g : tree)
+        if (is_link(g)) g.verdict.exchange *= std::min(factor[g.pair.a], factor[g.pair.b]);
+}
+
 void write_preorder(const std::vector<Growing>& tree, SelfLinks& links) {
     std::vector<std::uint32_t> open{0};
     while (!open.empty()) {
@@ -393,6 +421,7 @@ SelfLinks measure_self_links(const ObjectData& object, const ObjectRays& rays) {
         for (; level < end; ++level) push_children(object, tree, level);
     }
     join_hidden(tree);
+    bound_rows(object, tree);
     const bool any = std::any_of(tree.begin(), tree.end(), [](const Growing& g) { return g.verdict.step == PairStep::Link; });
     if (any) write_preorder(tree, links);
     return links;

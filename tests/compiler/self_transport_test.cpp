@@ -1,6 +1,7 @@
 // Self links and the closure of every patch, against exact form factors.
 #include "compiler/self_transport.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -141,6 +142,18 @@ TEST_CASE("a wall between two plates hides them from one another", "[compiler][s
         CHECK(below < 0.02);  // of 1 m^2: links of clusters that hold parts of wall and upper plate
         CHECK(black > 0.95);  // of 1 m^2; the wall reaches 5 m beyond the plate
     }
+}
+
+TEST_CASE("no patch receives clearly more than all the light there is", "[compiler][self_transport]") {
+    // Scraps a thousandth as wide as the box that they lie in, near its walls: few lines meet what is nearest.
+    Mesh mesh = make_cup(4);
+    for (int i = 0; i < 200; ++i)
+        test::add_parallelogram(mesh, {0.004 * i + 0.1, 0.001 + 0.0001 * (i % 7), 0.1 + 0.0039 * ((i * 37) % 200)}, {0.001, 0.0002, 0},
+                                {0, 0.0003, 0.001}, 1, true);
+    const CompiledObject object = compiled(mesh);
+    REQUIRE_FALSE(object.self_received.empty());
+    CHECK(*std::max_element(object.self_received.begin(), object.self_received.end()) <= 1.51f);  // 1.5 and the bytes of visibility
+    for (std::size_t p = 0; p < object.patches.size(); ++p) CHECK(object.self_received[p] >= 0);
 }
 
 TEST_CASE("self links do not depend on the number of threads", "[compiler][self_transport]") {
