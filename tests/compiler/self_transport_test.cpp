@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "compiler/archive_facts.h"
 #include "compiler/compile_object.h"
 #include "format/parallel.h"
 #include "format/self_links.h"
@@ -28,26 +29,6 @@ std::size_t wall_of(const Patch& patch) {
     for (int axis = 0; axis < 3; ++axis)
         if (std::abs(n[axis]) > 0.5) return static_cast<std::size_t>(2 * axis + (n[axis] > 0 ? 1 : 0));
     return 0;
-}
-
-struct Defect {
-    double mean = 0, rms = 0;  // over the area, of escape + received + black - 1
-};
-
-Defect defect_of(const CompiledObject& object) {
-    Defect d;
-    double area = 0;
-    for (std::size_t p = 0; p < object.patches.size(); ++p) {
-        const double a = static_cast<double>(object.patches[p].area);
-        const double off = static_cast<double>(object.self_escape[p]) + static_cast<double>(object.self_received[p]) +
-                           static_cast<double>(object.self_black[p]) - 1;
-        d.mean += a * off;
-        d.rms += a * off * off;
-        area += a;
-    }
-    d.mean /= area;
-    d.rms = std::sqrt(d.rms / area);
-    return d;
 }
 
 /// A box without its top, both sides of its walls: a cup.
@@ -95,8 +76,8 @@ TEST_CASE("walls of a cube seen from inside exchange their form factors", "[comp
             if (v != w) CHECK(exchange[w][v] == Approx(v == (w ^ 1u) ? kOpposite : kAdjacent).epsilon(0.015));
         }
     // Links are as wrong as 0.01 of a patch's radiosity; some thirty reach a patch.
-    CHECK(std::abs(defect_of(cube).mean) < 0.005);
-    CHECK(defect_of(cube).rms < 0.08);
+    CHECK(std::abs(closure_defect(cube.data).mean) < 0.005);
+    CHECK(closure_defect(cube.data).rms < 0.08);
 }
 
 TEST_CASE("a cup keeps part of the light of its inside", "[compiler][self_transport]") {
@@ -111,7 +92,7 @@ TEST_CASE("a cup keeps part of the light of its inside", "[compiler][self_transp
     // The inside of 9 m^2 sends through the mouth of 1 m^2 what the mouth sends to the inside: all of it.
     CHECK(inside == Approx(9 - 1).epsilon(0.01));
     CHECK(outside < 0.01);  // m^2 of 8: links of clusters that hold both sides of a wall
-    const Defect defect = defect_of(cup);
+    const ClosureDefect defect = closure_defect(cup.data);
     INFO("mean " << defect.mean << ", rms " << defect.rms);
     // Tables of 12 x 12 directions err by about 0.05 for a patch in a deep cup; the mean is far better.
     CHECK(std::abs(defect.mean) < 0.01);
