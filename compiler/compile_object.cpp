@@ -40,8 +40,8 @@ ObjectMeta make_meta(const Mesh& mesh, const Surface& surface, const CompileOpti
     return meta;
 }
 
-/// Points the views of `data` at the vectors.
-void view_geometry(CompiledObject& object) {
+/// Points the views of `data` at the vectors, as far as these are filled.
+void view_all(CompiledObject& object) {
     ObjectData& data = object.data;
     data.positions = object.positions;
     data.triangles = object.triangles;
@@ -51,72 +51,73 @@ void view_geometry(CompiledObject& object) {
     data.clusters = object.clusters;
     data.volumes = object.volumes;
     data.volume_triangles = object.volume_triangles;
-}
-
-void store_areas(EffectiveAreas areas, CompiledObject& object) {
-    object.area_clusters = std::move(areas.clusters);
-    object.whole_area = std::move(areas.whole);
-    object.whole_area_scale = std::move(areas.whole_scale);
-    object.intrinsic_area = std::move(areas.intrinsic);
-    object.intrinsic_area_scale = std::move(areas.intrinsic_scale);
-    object.visibility = std::move(areas.visibility);
-    ObjectData& data = object.data;
     data.area_clusters = object.area_clusters;
     data.whole_area = object.whole_area;
     data.whole_area_scale = object.whole_area_scale;
     data.intrinsic_area = object.intrinsic_area;
     data.intrinsic_area_scale = object.intrinsic_area_scale;
     data.visibility = object.visibility;
-}
-
-void store_errors(TableErrors errors, CompiledObject& object) {
-    object.whole_area_error = std::move(errors.whole);
-    object.intrinsic_area_error = std::move(errors.intrinsic);
-    object.visibility_error = std::move(errors.visibility);
-    ObjectData& data = object.data;
-    data.error_directions = errors.directions;
     data.whole_area_error = object.whole_area_error;
     data.intrinsic_area_error = object.intrinsic_area_error;
     data.visibility_error = object.visibility_error;
-}
-
-void store_self_links(SelfLinks links, CompiledObject& object) {
-    object.self_steps = std::move(links.steps);
-    object.self_exchange = std::move(links.exchange);
-    object.self_visibility = std::move(links.visibility);
-    ObjectData& data = object.data;
+    data.hit_volumes = object.hit_volumes;
+    data.whole_hit = object.whole_hit;
+    data.intrinsic_hit = object.intrinsic_hit;
+    data.atlas_coverage = object.atlas_coverage;
     data.self_steps = object.self_steps;
     data.self_exchange = object.self_exchange;
     data.self_visibility = object.self_visibility;
-}
-
-void store_closure(Closure closure, CompiledObject& object) {
-    object.self_escape = std::move(closure.escape);
-    object.self_received = std::move(closure.received);
-    object.self_black = std::move(closure.black);
-    ObjectData& data = object.data;
     data.self_escape = object.self_escape;
     data.self_received = object.self_received;
     data.self_black = object.self_black;
 }
 
-void store_hits(HitProbabilities hits, CompiledObject& object) {
+void store(EffectiveAreas areas, CompiledObject& object) {
+    object.area_clusters = std::move(areas.clusters);
+    object.whole_area = std::move(areas.whole);
+    object.whole_area_scale = std::move(areas.whole_scale);
+    object.intrinsic_area = std::move(areas.intrinsic);
+    object.intrinsic_area_scale = std::move(areas.intrinsic_scale);
+    object.visibility = std::move(areas.visibility);
+    view_all(object);
+}
+
+void store(TableErrors errors, CompiledObject& object) {
+    object.whole_area_error = std::move(errors.whole);
+    object.intrinsic_area_error = std::move(errors.intrinsic);
+    object.visibility_error = std::move(errors.visibility);
+    object.data.error_directions = errors.directions;
+    view_all(object);
+}
+
+void store(HitProbabilities hits, CompiledObject& object) {
     object.hit_volumes = std::move(hits.volumes);
     object.whole_hit = std::move(hits.whole);
     object.intrinsic_hit = std::move(hits.intrinsic);
-    object.data.hit_volumes = object.hit_volumes;
-    object.data.whole_hit = object.whole_hit;
-    object.data.intrinsic_hit = object.intrinsic_hit;
+    view_all(object);
 }
 
-void store_atlas(SilhouetteAtlas atlas, CompiledObject& object) {
+void store(SilhouetteAtlas atlas, CompiledObject& object) {
     object.atlas_coverage = std::move(atlas.coverage);
-    ObjectData& data = object.data;
-    data.atlas_centre = atlas.centre;
-    data.atlas_radius = atlas.radius;
-    data.atlas_grid_size = atlas.grid_size;
-    data.atlas_image_size = atlas.image_size;
-    data.atlas_coverage = object.atlas_coverage;
+    object.data.atlas_centre = atlas.centre;
+    object.data.atlas_radius = atlas.radius;
+    object.data.atlas_grid_size = atlas.grid_size;
+    object.data.atlas_image_size = atlas.image_size;
+    view_all(object);
+}
+
+void store(SelfLinks links, CompiledObject& object) {
+    object.self_steps = std::move(links.steps);
+    object.self_exchange = std::move(links.exchange);
+    object.self_visibility = std::move(links.visibility);
+    view_all(object);
+}
+
+void store(Closure closure, CompiledObject& object) {
+    object.self_escape = std::move(closure.escape);
+    object.self_received = std::move(closure.received);
+    object.self_black = std::move(closure.black);
+    view_all(object);
 }
 
 }  // namespace
@@ -152,25 +153,25 @@ Result<CompiledObject> compile_object(const Mesh& mesh, const CompileOptions& op
     ObjectBvh bvh = build_object_bvh(object.positions, object.triangles);
     object.volumes = std::move(bvh.volumes);
     object.volume_triangles = std::move(bvh.triangles);
-    view_geometry(object);
+    view_all(object);
 
     const TableChoice& tables = options.tables;
     report("silhouettes", 0.3);
-    if (tables.atlas) store_atlas(measure_silhouettes(object.data), object);
+    if (tables.atlas) store(measure_silhouettes(object.data), object);
     report("hit probabilities", 0.33);
-    if (tables.hit) store_hits(measure_hits(object.data, tables), object);
+    if (tables.hit) store(measure_hits(object.data, tables), object);
     if (tables.area || tables.visibility) {
         report("effective areas", 0.4);
-        store_areas(measure_effective_areas(object.data, tables), object);
+        store(measure_effective_areas(object.data, tables), object);
         report("table errors", 0.65);
-        if (tables.errors) store_errors(measure_table_errors(object.data), object);
+        if (tables.errors) store(measure_table_errors(object.data), object);
     }
     if (tables.selflinks) {
         report("self links", 0.75);
         const ObjectRays rays(object.positions, object.triangles);
-        store_self_links(measure_self_links(object.data, rays), object);
+        store(measure_self_links(object.data, rays), object);
         if (tables.visibility && !object.self_steps.empty())
-            store_closure(measure_closure(object.data, rays), object);
+            store(measure_closure(object.data, rays), object);
     }
     report("tables", 1);
     return object;

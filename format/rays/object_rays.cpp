@@ -83,26 +83,6 @@ struct IgnoringContext {
     }
 };
 
-struct CollectingContext {
-    RTCIntersectContext embree;
-    std::vector<std::uint32_t>* out;
-
-    explicit CollectingContext(std::vector<std::uint32_t>& triangles) : out(&triangles) {
-        rtcInitIntersectContext(&embree);
-        embree.filter = collect_and_reject;
-    }
-
-    /// Rejecting every hit keeps the ray at full length, so each triangle along it is met.
-    static void collect_and_reject(const RTCFilterFunctionNArguments* args) {
-        const auto* self = reinterpret_cast<const CollectingContext*>(args->context);
-        for (unsigned i = 0; i < args->N; ++i) {
-            if (args->valid[i] == kInactive) continue;
-            self->out->push_back(RTCHitN_primID(args->hit, args->N, i));
-            args->valid[i] = kInactive;
-        }
-    }
-};
-
 void fill(RTCRay& r, const ObjectRay& ray) {
     r.org_x = ray.origin.x, r.org_y = ray.origin.y, r.org_z = ray.origin.z;
     r.dir_x = ray.direction.x, r.dir_y = ray.direction.y, r.dir_z = ray.direction.z;
@@ -134,7 +114,6 @@ ObjectRays::ObjectRays(std::span<const Vec3f> positions, std::span<const Triangl
     : impl_(std::make_unique<Impl>()) {
     impl_->scene = rtcNewScene(device());
     check_embree();
-    // Medium quality splits no triangle, so a ray meets each at most once.
     rtcSetSceneBuildQuality(impl_->scene, RTC_BUILD_QUALITY_MEDIUM);
     rtcSetSceneFlags(impl_->scene,
                      static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION));
@@ -222,15 +201,6 @@ void ObjectRays::first_hits(std::span<const ObjectRay> rays, std::span<ObjectHit
                     : ObjectHit{};
         }
     }
-}
-
-void ObjectRays::all_hits(const ObjectRay& ray, std::vector<std::uint32_t>& out) const {
-    out.clear();
-    CollectingContext context(out);
-    RTCRayHit query;
-    fill(query.ray, ray);
-    query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect1(impl_->scene, &context.embree, &query);
 }
 
 std::uint64_t ObjectRays::memory_bytes() {

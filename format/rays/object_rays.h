@@ -7,7 +7,6 @@
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <vector>
 
 #include "format/geometry.h"
 
@@ -64,9 +63,6 @@ class ObjectRays {
 
     /// Nearest hits of coherent rays (neighbours in the list close together). hits.size() == rays.size().
     void first_hits(std::span<const ObjectRay> rays, std::span<ObjectHit> hits) const;
-
-    /// Numbers of all triangles along the ray, each once, in no particular order; replaces the content of `out`.
-    void all_hits(const ObjectRay& ray, std::vector<std::uint32_t>& out) const;
 
     /// Bytes that Embree holds for all objects of the process.
     static std::uint64_t memory_bytes();

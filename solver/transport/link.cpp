@@ -466,11 +466,11 @@ EndPoint end_point(const Nodes& nodes, const EndAreas& areas, std::uint32_t id, 
 LinkBuilder::Transmittance LinkBuilder::transmittance(std::uint32_t a, std::uint32_t b, EndMode mode_a, EndMode mode_b,
                                                       double need, double own) const {
     Transmittance t;
-    if (options_.visibility == TransportOptions::Visibility::None) return t;
     if (own >= 0) {
         t.mean = own;
         t.spread = own * (1 - own);
     }
+    if (options_.visibility == TransportOptions::Visibility::None) return t;
     const auto key = [&](std::uint32_t id) {
         const Node& n = nodes_[id];
         std::uint64_t k = mix64(instance_key_[n.instance] ^ (std::uint64_t(n.kind) << 40 | n.index));
