@@ -16,6 +16,9 @@ constexpr double kNearestTranslation = 1.0 / 3;
 // Largest ratio of a counted area to the exact one that is taken for noise of the count.
 constexpr double kMostShare = 1.25;
 
+// Errors of tables: at least this much, since interpolated radiosity varies, too; and where none was measured.
+constexpr double kLeastError = 0.02, kUnmeasured = 0.1;
+
 constexpr std::size_t kLanes = 8;  // partial sums per loop: one AVX register of floats
 
 }  // namespace
@@ -44,6 +47,31 @@ ObjectTables::ObjectTables(const ObjectData& data, const DirectionGrid& grid)
     area_row.assign(data.clusters.size(), kNoNode);
     for (std::size_t k = 0; k < data.area_clusters.size(); ++k)
         area_row[data.area_clusters[k]] = static_cast<std::uint32_t>(k);
+
+    // Shares are smooth where areas have kinks, so they are what is interpolated.
+    std::vector<double> running((p_count + 1) * d_count, 0.0);
+    for (std::size_t p = 0; p < p_count; ++p)
+        for (std::size_t k = 0; k < d_count; ++k)
+            running[(p + 1) * d_count + k] = running[p * d_count + k] + double(cosine_area[p * stride + k]);
+    const std::size_t rows = data.area_clusters.size();
+    whole_share.assign(rows * d_count, 1.0f);
+    intrinsic_share.assign(rows * d_count, 1.0f);
+    for (std::size_t r = 0; r < rows; ++r) {
+        const Cluster& cluster = data.clusters[data.area_clusters[r]];
+        const double* from = &running[cluster.first_patch * d_count];
+        const double* to = &running[(cluster.first_patch + cluster.patch_count) * d_count];
+        const auto share = [&](std::span<const std::uint8_t> table, float scale, std::size_t k) {
+            const double plain = to[k] - from[k];
+            if (!(plain > 1e-9 * double(cluster.area))) return 1.0f;
+            // Slightly above 1 where few pixels were counted: cut off there, the mean would come out too low.
+            return static_cast<float>(std::min(kMostShare, double(table[r * d_count + k]) * double(scale) / (255 * plain)));
+        };
+        for (std::size_t k = 0; k < d_count; ++k) {
+            if (!data.whole_area.empty()) whole_share[r * d_count + k] = share(data.whole_area, data.whole_area_scale[r], k);
+            if (!data.intrinsic_area.empty())
+                intrinsic_share[r * d_count + k] = share(data.intrinsic_area, data.intrinsic_area_scale[r], k);
+        }
+    }
 }
 
 EndAreas::EndAreas(const Nodes& nodes) : nodes_(nodes) {
@@ -78,22 +106,20 @@ double EndAreas::visible_share(const Node& node, const Vec3& w, EndMode mode) co
         return grid.interpolate(data.visibility.subspan(cluster.first_patch * d, d), local) / 255.0;
     // Faces that look one way hardly hide one another, less than small clusters' areas are uncertain by.
     if (row == kNoNode || (mode == EndMode::Inside && node.kind == NodeKind::Flat)) return 1;
-    const bool outside = mode == EndMode::Outside;
-    const auto table = (outside ? data.whole_area : data.intrinsic_area).subspan(row * d, d);
-    const float scale = (outside ? data.whole_area_scale : data.intrinsic_area_scale)[row];
-    const double area = grid.interpolate(table, local) * static_cast<double>(scale) / 255.0;
-    // Both areas scale alike under the instance's map, so their ratio is taken in the local frame at unit direction.
-    const Vec3 unit = normalised(local);
-    double plain = 0;
-    const DirectionTaps taps = grid.taps(unit);
-    for (std::size_t t = 0; t < 4; ++t) {
-        double sum = 0;
-        for (std::uint32_t p = 0; p < cluster.patch_count; ++p)
-            sum += static_cast<double>(tables.cosine_area[(cluster.first_patch + p) * tables.stride + taps.node[t]]);
-        plain += static_cast<double>(taps.weight[t]) * sum;
-    }
-    // Slightly above 1 where few pixels were counted: cut off there, the mean would come out too low.
-    return plain > 0 ? std::min(kMostShare, area / plain) : 0.0;
+    const std::vector<float>& share = mode == EndMode::Outside ? tables.whole_share : tables.intrinsic_share;
+    return grid.interpolate(std::span(share).subspan(row * d, d), local);
+}
+
+TableError EndAreas::table_error(const Node& node, EndMode mode) const {
+    if (node.kind == NodeKind::Surface || mode == EndMode::Mean || (node.kind == NodeKind::Flat && mode == EndMode::Inside))
+        return {};
+    const ObjectData& data = nodes_.scene().instances[node.instance].data();
+    const std::uint32_t row = of_instance_[node.instance]->area_row[node.index];
+    if (row == kNoNode) return {kUnmeasured, kUnmeasured};
+    const double seen = double(data.visibility_error[row]);
+    if (node.kind == NodeKind::Flat) return {seen, seen};
+    const double area = double(mode == EndMode::Outside ? data.whole_area_error[row] : data.intrinsic_area_error[row]);
+    return {std::max(kLeastError, area), std::max(kLeastError, mode == EndMode::Outside ? seen : area)};
 }
 
 template <int C>

@@ -15,7 +15,8 @@
 
 namespace rro {
 
-enum class EndMode : std::uint8_t { Inside = 0, Outside = 1 };
+/// Mean: no directions at all, the end has one radiosity and all its faces receive alike.
+enum class EndMode : std::uint8_t { Inside = 0, Outside = 1, Mean = 2 };
 
 /// Tables of one object that all its instances share. Immutable.
 struct ObjectTables {
@@ -24,8 +25,15 @@ struct ObjectTables {
     std::vector<float> visibility;       // [P * stride] in [0, 1]
     std::vector<std::uint32_t> area_row; // [C] row of a cluster in the area tables, or kNoNode
     std::vector<double> face_area_sum;   // [F + 1] running sum of local face areas, for sampling points
+    std::vector<float> whole_share;      // [K * D] whole area over the sum of A max(0, n . w) of the cluster's faces
+    std::vector<float> intrinsic_share;  // [K * D] the same of the intrinsic area
 
     explicit ObjectTables(const ObjectData& data, const DirectionGrid& grid);
+};
+
+/// Relative errors that tables bring to light that an end sends and receives.
+struct TableError {
+    double sent = 0, received = 0;
 };
 
 /// Projected areas of nodes as ends of links.
@@ -38,6 +46,9 @@ class EndAreas {
     /// Share of a node's projected area towards w that is seen: 1 for surfaces; by patch visibility or whole-object area outside; by intrinsic
     /// area of Bins nodes inside. In [0, 1] but for noise.
     double visible_share(const Node& node, const Vec3& w, EndMode mode) const;
+
+    /// As the archive measured it, off the grid.
+    TableError table_error(const Node& node, EndMode mode) const;
 
     /// Does the archive hold what an Outside end at this node needs?
     bool has_outside(const Node& node) const;

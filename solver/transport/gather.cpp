@@ -25,10 +25,33 @@ Vec3 arrival(const Node& flat, const Vec3& u) {
     return dot(n, u) >= kLowest ? u : n;
 }
 
-// A link whose exchange area is known for the ends as they are, or whose receiver is planar and whose source sends one
-// radiosity: all faces of the receiver get the same.
-bool scalar_half(const Link& link, const Node& receiver, const Node& source) {
-    return link.near || (receiver.kind == NodeKind::Surface && source.kind != NodeKind::Bins);
+// Change of irradiance over a flat receiver's positions, per unit of the light that arrives from u at distance d, 1/m:
+// that of the inverse square, of the receiver's cosine and, where the source is flat, of the source's cosine.
+Vec3 slope(const Node& receiver, const Node& source, const Vec3& u, double d) {
+    constexpr double kSoft = 0.5;
+    constexpr double kSteepest = 2;  // of 1 / d: beyond that a first order says nothing
+    const Vec3 n = receiver.normal();
+    if (!(d > 0) || arrival(receiver, u) != u) return {};
+    const double cosine = dot(n, u), r = double(source.radius) + double(receiver.radius);
+    Vec3 s = (u * (3 * cosine) - n) / d;
+    if (source.kind != NodeKind::Bins) {
+        const Vec3 m = source.normal();
+        const double leaving = -dot(m, u);
+        if (leaving > 0) {
+            const Vec3 q = m / leaving + u;
+            s += q * (cosine / (d * std::max(1.0, length(q) / kSteepest)));
+        }
+    }
+    s *= d * d / (d * d + kSoft * r * r);  // ends of some extent smooth it
+    // Nowhere on the receiver may this light fall below zero: others' light would be taken away.
+    const double fall = length(s) * double(receiver.radius);
+    return fall > cosine ? s * (cosine / fall) : s;
+}
+
+// One radiosity from the source, one irradiance for all of the receiver.
+bool scalar_half(const Node& receiver, EndMode receiver_mode, const Node& source, EndMode source_mode) {
+    return (receiver_mode == EndMode::Mean || receiver.kind == NodeKind::Surface) &&
+           (source_mode == EndMode::Mean || source.kind != NodeKind::Bins);
 }
 
 }  // namespace
@@ -55,7 +78,7 @@ void LightField<C>::grow() {
     const std::size_t before = radiosity_.size() / C;
     radiosity_.resize(nodes_.size() * C, 0);
     irradiance_.resize(nodes_.size() * C, 0);
-    vectors_.resize(std::size_t(nodes_.flat_count()) * 3 * C, 0);
+    vectors_.resize(std::size_t(nodes_.flat_count()) * 6 * C, 0);
     for (std::size_t id = before; id < nodes_.size(); ++id) {
         const Node& n = nodes_[static_cast<std::uint32_t>(id)];
         if (n.kind != NodeKind::Surface) continue;
@@ -81,16 +104,16 @@ void LightField<C>::set_links(const std::vector<Link>& links) {
     bins_.reset();
     scalar_first_.assign(nodes_.size() + 1, 0);
     directed_first_.assign(nodes_.size() + 1, 0);
-    const auto count = [&](const Link& l, std::uint32_t receiver, std::uint32_t source) {
-        ++(scalar_half(l, nodes_[receiver], nodes_[source]) ? scalar_first_ : directed_first_)[receiver + 1];
+    const auto count = [&](std::uint32_t receiver, EndMode receiver_mode, std::uint32_t source, EndMode source_mode) {
+        const bool scalar = scalar_half(nodes_[receiver], receiver_mode, nodes_[source], source_mode);
+        ++(scalar ? scalar_first_ : directed_first_)[receiver + 1];
     };
     for (const Link& l : links) {
         if (l.base_a == 0 && l.base_b == 0) continue;
-        count(l, l.a, l.b);
-        count(l, l.b, l.a);
-        if (l.near) continue;
-        if (nodes_[l.a].kind == NodeKind::Bins) bins_.use(l.a, l.mode_a);
-        if (nodes_[l.b].kind == NodeKind::Bins) bins_.use(l.b, l.mode_b);
+        count(l.a, l.mode_a, l.b, l.mode_b);
+        count(l.b, l.mode_b, l.a, l.mode_a);
+        if (nodes_[l.a].kind == NodeKind::Bins && l.mode_a != EndMode::Mean) bins_.use(l.a, l.mode_a);
+        if (nodes_[l.b].kind == NodeKind::Bins && l.mode_b != EndMode::Mean) bins_.use(l.b, l.mode_b);
     }
     bins_.allocate();
     for (std::size_t n = 0; n < nodes_.size(); ++n) {
@@ -109,15 +132,16 @@ void LightField<C>::set_links(const std::vector<Link>& links) {
                               EndMode receiver_mode, EndMode source_mode) {
             const Node &r = nodes_[receiver], &s = nodes_[source];
             double gain = double(base);
-            if (l.near || s.kind != NodeKind::Bins) gain *= std::numbers::inv_pi;
-            if (l.near || r.kind == NodeKind::Surface) gain /= r.area;
-            if (!l.near && r.kind == NodeKind::Flat) gain /= dot(r.area_vector, arrival(r, u));
-            if (scalar_half(l, r, s))
+            if (source_mode == EndMode::Mean || s.kind != NodeKind::Bins) gain *= std::numbers::inv_pi;
+            if (receiver_mode == EndMode::Mean || r.kind == NodeKind::Surface) gain /= r.area;
+            else if (r.kind == NodeKind::Flat) gain /= dot(r.area_vector, arrival(r, u));
+            if (scalar_half(r, receiver_mode, s, source_mode)) {
                 scalar_[scalar_next[receiver]++] = {source, static_cast<float>(gain)};
-            else
-                directed_[directed_next[receiver]++] = {source,        static_cast<float>(gain),
-                                                        to_float(u),   static_cast<float>(d > 0 ? 1 / d : 0),
-                                                        source_mode,   receiver_mode};
+                return;
+            }
+            DirectedLink& h = directed_[directed_next[receiver]++];
+            h = {source, static_cast<float>(gain), to_float(u), {}, static_cast<float>(d > 0 ? 1 / d : 0), source_mode, receiver_mode};
+            if (r.kind == NodeKind::Flat) h.slope = to_float(slope(r, s, u, d));
         };
         half(l.a, l.b, l.base_a, w, l.mode_a, l.mode_b);
         half(l.b, l.a, l.base_b, -w, l.mode_b, l.mode_a);
@@ -126,7 +150,8 @@ void LightField<C>::set_links(const std::vector<Link>& links) {
 
 template <int C>
 std::array<float, C> LightField<C>::source_value(const DirectedLink& link) const {
-    if (nodes_[link.source].kind == NodeKind::Bins) return bins_.intensity(link.source, link.source_mode, -to_double(link.u));
+    if (link.source_mode != EndMode::Mean && nodes_[link.source].kind == NodeKind::Bins)
+        return bins_.intensity(link.source, link.source_mode, -to_double(link.u));
     std::array<float, C> out;
     for (std::size_t c = 0; c < C; ++c) out[c] = radiosity_[link.source * C + c];
     return out;
@@ -146,19 +171,22 @@ void LightField<C>::gather_surfaces() {
                 for (std::size_t c = 0; c < C; ++c) e[c] += double(directed_[k].gain) * double(value[c]);
             }
         } else if (node.kind == NodeKind::Flat) {
-            std::array<double, 3 * C> v{};
+            std::array<double, 6 * C> v{};
             for (std::uint32_t k = directed_first_[id]; k < directed_first_[id + 1]; ++k) {
                 const DirectedLink& link = directed_[k];
                 const auto value = source_value(link);
-                const Vec3 u = arrival(node, to_double(link.u));
+                const Vec3 u = arrival(node, to_double(link.u)), s = to_double(link.slope);
                 for (std::size_t c = 0; c < C; ++c) {
                     const double h = double(link.gain) * double(value[c]);
                     v[3 * c] += h * u.x;
                     v[3 * c + 1] += h * u.y;
                     v[3 * c + 2] += h * u.z;
+                    v[3 * (C + c)] += h * s.x;
+                    v[3 * (C + c) + 1] += h * s.y;
+                    v[3 * (C + c) + 2] += h * s.z;
                 }
             }
-            for (std::size_t c = 0; c < 3 * C; ++c) vectors_[node.slot * std::size_t(3 * C) + c] = static_cast<float>(v[c]);
+            for (std::size_t c = 0; c < 6 * C; ++c) vectors_[node.slot * std::size_t(6 * C) + c] = static_cast<float>(v[c]);
         }
         for (std::size_t c = 0; c < C; ++c) irradiance_[id * C + c] = static_cast<float>(e[c]);
     });
@@ -179,30 +207,41 @@ void LightField<C>::gather_bins() {
 }
 
 // Irradiance of clusters, flat nodes and faces goes down to the leaves; irradiance_ of a face with elements ends as their
-// mean.
+// mean. A flat node's vector meets each face's own cosine, its gradient the place of the face.
 template <int C>
 void LightField<C>::push_instance(std::uint32_t i) {
     const InstanceNodes& in = nodes_.instance(i);
+    constexpr std::size_t kFlat = 6 * C;
     const auto add_parent = [&](std::uint32_t id) {
         for (std::size_t c = 0; c < C; ++c) irradiance_[id * C + c] += irradiance_[nodes_[id].parent * C + c];
     };
+    const auto add_slope = [&](std::uint32_t id) {
+        const Node &n = nodes_[id], &parent = nodes_[n.parent];
+        const float* s = &vectors_[parent.slot * kFlat + 3 * C];
+        const Vec3 x = n.centre - parent.centre;
+        for (std::size_t c = 0; c < C; ++c)
+            irradiance_[id * C + c] += static_cast<float>(x.x * double(s[3 * c]) + x.y * double(s[3 * c + 1]) + x.z * double(s[3 * c + 2]));
+    };
     for (std::uint32_t id = in.first_cluster; id < in.first_face; ++id) {
         const Node& n = nodes_[id];
-        if (n.parent != kNoNode) add_parent(id);
-        if (n.kind != NodeKind::Flat || n.parent == kNoNode || nodes_[n.parent].kind != NodeKind::Flat) continue;
-        for (std::size_t c = 0; c < 3 * C; ++c)
-            vectors_[n.slot * std::size_t(3 * C) + c] += vectors_[nodes_[n.parent].slot * std::size_t(3 * C) + c];
+        if (n.parent == kNoNode) continue;
+        add_parent(id);
+        if (n.kind != NodeKind::Flat || nodes_[n.parent].kind != NodeKind::Flat) continue;
+        add_slope(id);
+        for (std::size_t c = 0; c < kFlat; ++c) vectors_[n.slot * kFlat + c] += vectors_[nodes_[n.parent].slot * kFlat + c];
     }
     const std::size_t faces = nodes_.scene().instances[i].data().faces.size();
     for (std::uint32_t id = in.first_face; id < in.first_face + faces; ++id) {
         const Node& n = nodes_[id];
-        const float* v = &vectors_[nodes_[n.parent].slot * std::size_t(3 * C)];
+        const float* v = &vectors_[nodes_[n.parent].slot * kFlat];
         const Vec3 normal = n.normal();
         for (std::size_t c = 0; c < C; ++c) {
             const double e = normal.x * double(v[3 * c]) + normal.y * double(v[3 * c + 1]) + normal.z * double(v[3 * c + 2]);
             irradiance_[id * C + c] += static_cast<float>(std::max(0.0, e));
         }
         add_parent(id);
+        add_slope(id);
+        for (std::size_t c = 0; c < C; ++c) irradiance_[id * C + c] = std::max(0.0f, irradiance_[id * C + c]);
     }
     for (const std::uint32_t id : in.elements) add_parent(id);
 }
@@ -324,38 +363,54 @@ double LightField<C>::reflected_norm() const {
 template <int C>
 void LightField<C>::fill(Guide& guide) const {
     guide.radiosity.assign(nodes_.size(), 0);
+    guide.irradiance.assign(nodes_.size(), 0);
+    guide.variation.assign(nodes_.size(), 0);
     guide.reflectance.assign(nodes_.size(), 0);
+    const auto grey = [](const std::vector<float>& v, std::size_t id) {
+        double sum = 0;
+        for (std::size_t c = 0; c < C; ++c) sum += double(v[id * C + c]) * double(v[id * C + c]);
+        return static_cast<float>(std::sqrt(sum / C));
+    };
     for (std::size_t id = 0; id < nodes_.size(); ++id) {
-        double b = 0;
-        for (std::size_t c = 0; c < C; ++c) b += double(radiosity_[id * C + c]) * double(radiosity_[id * C + c]);
-        guide.radiosity[id] = static_cast<float>(std::sqrt(b / C));
+        guide.radiosity[id] = grey(radiosity_, id);
         const Node& n = nodes_[static_cast<std::uint32_t>(id)];
         if (n.kind != NodeKind::Surface) continue;
         float rho = 0;
         for (std::size_t c = 0; c < C; ++c) rho += reflectance(static_cast<std::uint32_t>(id), c);
         guide.reflectance[id] = rho / C;
+        guide.irradiance[id] = grey(irradiance_, id);
     }
+    // Upwards: sums over children, which follow their parents.
+    std::vector<double> square(nodes_.size(), 0);
     double area = 0;
-    std::size_t faces = 0;
-    for (std::uint32_t i = 0; i < nodes_.scene().instances.size(); ++i) {
-        const InstanceNodes& in = nodes_.instance(i);
-        faces += nodes_.scene().instances[i].data().faces.size();
-        area += nodes_[in.first_cluster].area;
-        for (std::uint32_t id = in.first_face; id-- > in.first_cluster;) {
-            const Node& n = nodes_[id];
-            double rho = 0;
-            const auto add = [&](std::uint32_t child) { rho += nodes_[child].area * double(guide.reflectance[child]); };
-            if (n.second_child != 0) {
-                add(n.first_child);
-                add(n.second_child);
-            } else {
-                for (std::uint32_t k = 0; k < n.child_count; ++k) add(n.first_child + k);
-            }
-            guide.reflectance[id] = static_cast<float>(n.area > 0 ? rho / n.area : 0);
+    for (auto id = static_cast<std::uint32_t>(nodes_.size()); id-- > 0;) {
+        const Node& n = nodes_[id];
+        double rho = 0, e = 0, b2 = 0;
+        const auto add = [&](std::uint32_t child) {
+            rho += nodes_[child].area * double(guide.reflectance[child]);
+            e += nodes_[child].area * double(guide.irradiance[child]);
+            b2 += square[child];
+        };
+        if (n.second_child != 0) {
+            add(n.first_child);
+            add(n.second_child);
+        } else {
+            for (std::uint32_t k = 0; k < n.child_count; ++k) add(n.first_child + k);
         }
+        const double b = double(guide.radiosity[id]);
+        if (n.parent == kNoNode) area += n.area;
+        if (n.child_count == 0 || !(n.area > 0)) {
+            square[id] = n.area * b * b;
+            continue;
+        }
+        square[id] = b2;
+        if (b > 0) guide.variation[id] = static_cast<float>(std::sqrt(std::max(0.0, b2 / n.area - b * b)) / b);
+        if (n.kind == NodeKind::Surface) continue;
+        guide.reflectance[id] = static_cast<float>(rho / n.area);
+        guide.irradiance[id] = static_cast<float>(e / n.area);
     }
-    guide.typical_reflected = reflected_norm();
-    guide.typical_area = faces > 0 ? area / static_cast<double>(faces) : 0;
+    const double norm = reflected_norm();
+    guide.reflected = area * norm * norm;
 }
 
 template <int C>

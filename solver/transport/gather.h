@@ -53,6 +53,7 @@ class LightField {
         std::uint32_t source;
         float gain;
         Vec3f u;                 // unit, world, towards the source
+        Vec3f slope;             // Flat receivers: change of irradiance over position, per light received, 1/m
         float inverse_distance;
         EndMode source_mode, receiver_mode;
     };
@@ -72,7 +73,7 @@ class LightField {
     DirectionBins<C> bins_;
     std::vector<float> radiosity_, irradiance_;      // [nodes * C]
     std::vector<float> row_scale_;                   // [nodes], leaves of closed scenes; else empty
-    std::vector<float> vectors_;                     // [flat slots * 3 * C] irradiance vectors
+    std::vector<float> vectors_;                     // [flat slots * 6 * C] irradiance vectors, then gradients of irradiance
     std::vector<std::uint32_t> scalar_first_, directed_first_;  // [nodes + 1]
     std::vector<ScalarLink> scalar_;
     std::vector<DirectedLink> directed_;

@@ -19,34 +19,40 @@ struct Pair {
     std::uint32_t stored = kNotStored;  // the smallest of the archive's pairs that holds it; pairs of one object only
 };
 
-/// One link serves both directions. Far: with w the direction between the centres and d their distance, base =
-/// transmittance / d^2 times, for every end that is no Bins node, its visible projected area. Near: pi A F V instead,
-/// from the exact kernel at points of the receiver or from the archive's self links, so that what a point receives from all
-/// around sums to one; all faces of either end count alike.
+/// One link serves both directions. base times pi is, per steradian and m^2... see EndMode. With w the direction between
+/// the centres and d their distance, base = transmittance / d^2 times, for every end that is no Bins node with tables,
+/// its visible projected area; between two ends without tables that is pi A F V.
 struct Link {
     std::uint32_t a = 0, b = 0;
-    float base_a = 0, base_b = 0;    // for light that a receives, that b receives; equal for far pairs
-    float error_a = 0, error_b = 0;  // standard error of the exchange area as it matters to a, to b; m^2
+    float base_a = 0, base_b = 0;    // for light that a receives, that b receives; equal but for near pairs
+    float error_a = 0, error_b = 0;  // what the exchange area may be wrong by as it matters to a, to b; m^2
+    float noise = 0;                 // standard deviation that a limited number of rays leaves in it, m^2
     EndMode mode_a = EndMode::Inside, mode_b = EndMode::Inside;
-    bool near = false;
     std::uint32_t stored = kNotStored;  // as in Pair
+
+    bool mean() const { return mode_a == EndMode::Mean && mode_b == EndMode::Mean; }
 };
 
 /// What refinement knows of the light so far: one number per node, the root mean square over channels.
 struct Guide {
     std::vector<float> radiosity;    // [nodes] W/m^2
+    std::vector<float> variation;    // [nodes] standard deviation of radiosity within the node, over its mean
+    std::vector<float> irradiance;   // [nodes] W/m^2, area-weighted mean
     std::vector<float> reflectance;  // [nodes] area-weighted mean
-    double typical_reflected = 0;    // root mean square of R over the scene, W/m^2
-    double typical_area = 0;         // mean area of a face, m^2
-    double tolerance = 0;            // error in R that a link may bring to a face of typical area, over typical_reflected
+    double reflected = 0;            // sum of A R^2 over the scene, W^2/m^2
+    std::vector<float> error;        // [nodes] W/m^2, sum of the links' errors of irradiance, agreeing or not
+    std::vector<double> share;       // [instances] of `reflected` that one link may add to the squared error
 };
 
-/// Error in reflected radiosity that one link may bring to a node, W/m^2. Large nodes count for more in the total error
-/// than small ones, so they get less.
-double link_tolerance(const Guide& guide, const Node& node);
+/// What an error of `exchange` m^2 in the light that `to` receives from `from` adds to the squared error of the scene,
+/// in links' shares: a link is good enough where this is at most 1.
+///
+/// An error e in a node's irradiance adds A rho^2 e^2 by itself. Besides, errors of links at one node agree in sign to
+/// some degree (neighbours err alike, and lie in the same shadow), so it adds A rho^2 e times part of all the others'.
+double harm(const Guide& guide, const Nodes& nodes, std::uint32_t to, std::uint32_t from, double exchange);
 
-/// Reflected radiosity at `to` that an exchange area in m^2 brings from `from`, W/m^2.
-double reflected(const Guide& guide, const Nodes& nodes, std::uint32_t to, std::uint32_t from, double exchange);
+/// How far errors of links at one node agree in sign.
+inline constexpr double kAgreement = 0.25;
 
 struct Verdict {
     enum class Action : std::uint8_t { Drop, Accept, SplitA, SplitB, Pending };
@@ -74,8 +80,6 @@ class LinkBuilder {
     Verdict::Action stored_split(const SelfPair& stored, const Pair& pair) const;
     /// Could light go within a node by more than its tolerance? If so its children must be paired.
     bool splits_self(std::uint32_t node, const Guide& guide) const;
-    /// Tolerances that one m^2 of exchange area uses up at `to`, for a pair of this exchange area.
-    double weight(const Guide& guide, std::uint32_t to, std::uint32_t from, double exchange) const;
     // own: what the ends' common object leaves, where that is known; else negative, and rays test it.
     Verdict judge_near(std::uint32_t a, std::uint32_t b, const Guide& guide, double own) const;
     Verdict judge_far(std::uint32_t a, std::uint32_t b, const Guide& guide, double own) const;
@@ -83,16 +87,54 @@ class LinkBuilder {
     bool may_see(const Node& from, const Node& to) const;
     /// Does the object hide nothing of itself, so that its visibility is 1 wherever it faces?
     bool exact_tables(const Node& n) const;
-    EndMode end_mode(const Node& end, const Node& other, double affordable_error) const;
-
-    /// Mean transmittance between two ends and the variance of that mean. `need`: the ray count doubles until its
-    /// standard deviation times `need` is below 1. `own` as above.
-    struct Transmittance {
-        double mean = 1, variance = 0, spread = 0;  // spread: variance of one ray
-        std::uint32_t rays = 0;
+    /// Exchange area of two ends that are no Bins nodes, nothing between, by several points of each; and how much
+    /// that differs from the one by their centres alone.
+    struct Quadrature {
+        double exchange = 0, difference = 0;  // m^2
     };
-    Transmittance transmittance(std::uint32_t a, std::uint32_t b, EndMode mode_a, EndMode mode_b, double need,
-                                double own) const;
+    Quadrature by_points(std::uint32_t a, std::uint32_t b) const;
+
+    /// A surface's share in the error that a shadow edge across it makes.
+    double shadow_share(const Node& n) const;
+
+    struct Projection {
+        double area = 0;   // m^2
+        double error = 0;  // relative
+    };
+    static Projection projection(const Node& n, const Vec3& w, double spread);
+
+    /// An end as a far link takes it. Errors are relative to the link's light.
+    struct End {
+        EndMode mode = EndMode::Inside;
+        double projection = 0;  // m^2
+        double horizon = 0, received = 0, sent = 0;
+    };
+    End end_of(std::uint32_t id, std::uint32_t other, double r, const Projection& projection, double exchange,
+               const Guide& guide) const;
+
+    /// A link whose light is known but for what lies between.
+    struct Offer {
+        std::uint32_t a, b;
+        EndMode mode_a = EndMode::Inside, mode_b = EndMode::Inside;
+        double own = -1;              // as below
+        double exchange = 0;          // m^2
+        double base_a = 0, base_b = 0, error_a = 0, error_b = 0;  // as in Link
+        bool negligible = false;      // not worth a division
+    };
+    double harm_of(const Guide& guide, const Offer& o, double error_a, double error_b) const;
+    /// What it may be wrong by that a node sends one radiosity, relative; r its radius over the distance.
+    double sent_as_one(std::uint32_t id, double r, const Guide& guide) const;
+    /// Asks for the visibility and makes it a link, or divides where a shadow's edge crosses it.
+    Verdict settle(const Offer& o, const Guide& guide) const;
+
+    /// Mean transmittance between two ends, the variance of that mean, and that of one ray: a shadow's edge. Rays are
+    /// added until noise * variance is at most 1, and, where all rays agree, edge * spread as well.
+    struct Transmittance {
+        double mean = 1, variance = 0, spread = 0;
+        std::uint32_t rays = 0;
+        bool edge = false;  // rays disagree
+    };
+    Transmittance transmittance(const Offer& o, double noise, double edge) const;
 
     const Nodes& nodes_;
     const EndAreas& areas_;

@@ -42,6 +42,17 @@ double similarity_of(const Affine3& map) {
 
 }  // namespace
 
+double Node::mean_cosine(const Vec3& w, double fan) const {
+    if (!(area > 0)) return 0;
+    const double c = dot(area_vector, w) / area;
+    const std::array<double, 6>& m = moments;
+    const double square = (m[0] * w.x * w.x + m[1] * w.y * w.y + m[2] * w.z * w.z +
+                           2 * (m[3] * w.x * w.y + m[4] * w.y * w.z + m[5] * w.z * w.x)) / area;
+    const double x = std::sqrt(3 * std::max(0.0, square - c * c) + fan * fan);
+    if (c >= x) return c;
+    return c > -x ? (c + x) * (c + x) / (4 * x) : 0.0;
+}
+
 Nodes::Nodes(const Scene& scene) : scene_(&scene), instances_(scene.instances.size()) {
     std::size_t count = 0;
     for (const Instance& i : scene.instances) count += i.data().clusters.size() + i.data().faces.size();
@@ -54,6 +65,9 @@ void Nodes::set_surface(Node& node, const TriangleCorners& c) const {
     node.area_vector = area_vector(c);
     node.area = length(node.area_vector);
     node.centre = (c[0] + c[1] + c[2]) / 3.0;
+    const Vec3 n = node.normal();
+    node.moments = {n.x * n.x, n.y * n.y, n.z * n.z, n.x * n.y, n.y * n.z, n.z * n.x};
+    for (double& m : node.moments) m *= node.area;
     node.cone_cosine = 1;
     double r2 = 0;
     for (const Vec3& p : c) {
@@ -102,6 +116,7 @@ void Nodes::add_instance(std::uint32_t i) {
             n.parent = id;
             node.area += n.area;
             node.area_vector += n.area_vector;
+            for (std::size_t k = 0; k < 6; ++k) node.moments[k] += n.moments[k];
             node.centre += n.centre * n.area;
             node.box.add(n.box);
         };

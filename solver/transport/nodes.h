@@ -28,6 +28,7 @@ struct Node {
     Vec3 centre;                    // area-weighted centroid, world
     Box3 box;                       // world
     Vec3 area_vector;               // sum of area times normal, world, m^2
+    std::array<double, 6> moments{};  // sum of area times nx nx, ny ny, nz nz, nx ny, ny nz, nz nx, m^2
     double area = 0;                // m^2
     float radius = 0;               // about centre, m
     float cone_cosine = -1;         // smallest cosine between the mean normal and a face's
@@ -42,6 +43,11 @@ struct Node {
     std::uint8_t depth = 0;         // of an element below its face
 
     Vec3 normal() const { return normalised(area_vector); }
+
+    /// Mean over the faces' area of max(0, n . w), for w unit and, where `fan` > 0, spread by that much to either side.
+    /// Normals are taken as spread evenly about their mean with their own variance along w, so that
+    /// for cosines in c - x .. c + x the mean is (c + x)^2 / 4x. 
+    double mean_cosine(const Vec3& w, double fan = 0) const;
     bool planar() const { return kind == NodeKind::Surface; }
 };
 

@@ -6,6 +6,9 @@ namespace rro {
 
 namespace {
 
+// Instances below this share of the reflected power do not count by themselves (contract: accuracy).
+constexpr double kCountingShare = 1e-3;
+
 constexpr std::size_t kBatch = 1 << 16;  // pairs judged at a time; bounds the memory of the verdicts
 constexpr std::size_t kGrain = 64;
 
@@ -13,8 +16,8 @@ constexpr std::size_t kGrain = 64;
 constexpr double kOutgrown = 2.0;
 
 bool outgrown(const Link& l, const Nodes& nodes, const Guide& guide) {
-    return reflected(guide, nodes, l.a, l.b, double(l.error_a)) > kOutgrown * link_tolerance(guide, nodes[l.a]) ||
-           reflected(guide, nodes, l.b, l.a, double(l.error_b)) > kOutgrown * link_tolerance(guide, nodes[l.b]);
+    return harm(guide, nodes, l.a, l.b, double(l.error_a)) > kOutgrown ||
+           harm(guide, nodes, l.b, l.a, double(l.error_b)) > kOutgrown;
 }
 
 /// The stored pairs below a stored pair, in the order in which a division makes them.
@@ -86,6 +89,9 @@ class Refiner {
             nodes_.subdivide(divided);
             for (std::size_t n = before; n < nodes_.size(); ++n) {
                 guide_.radiosity.push_back(guide_.radiosity[divided]);
+                guide_.variation.push_back(0);
+                guide_.error.push_back(guide_.error[divided]);
+                guide_.irradiance.push_back(guide_.irradiance[divided]);
                 guide_.reflectance.push_back(guide_.reflectance[divided]);
             }
         }
@@ -119,7 +125,7 @@ LinkSet::LinkSet(const Nodes& nodes, bool within_instances) {
     const auto count = static_cast<std::uint32_t>(nodes.scene().instances.size());
     for (std::uint32_t i = 0; i < count; ++i)
         for (std::uint32_t j = within_instances ? i : i + 1; j < count; ++j) {
-            const bool stored = i == j && !nodes.scene().instances[i].object->self_pairs.empty();
+            const bool stored = !getenv("RRO_NOSTORE") && i == j && !nodes.scene().instances[i].object->self_pairs.empty();
             pending.push_back({nodes.root(i), nodes.root(j), stored ? 0 : kNotStored});
         }
 }
@@ -128,28 +134,49 @@ void refine(LinkSet& set, Nodes& nodes, Guide& guide, const LinkBuilder& builder
     Refiner(set, nodes, guide, builder).run();
 }
 
-double estimated_error(const LinkSet& set, const Nodes& nodes, const Guide& guide) {
-    // Variance of E that links bring to each node, then down to the leaves (children follow their parents).
-    std::vector<double> variance(nodes.size(), 0);
-    const auto add = [&](std::uint32_t to, std::uint32_t from, double error) {
+ErrorEstimate estimate_error(const LinkSet& set, const Nodes& nodes, double growth, Guide& guide) {
+    // Errors of E that links bring to each node, added by squares and plainly; then down to the leaves (children follow
+    // their parents).
+    std::vector<double> squares(nodes.size(), 0), plain(nodes.size(), 0), below(nodes.size(), 0);
+    const auto add = [&](std::uint32_t to, std::uint32_t from, double error, double noise) {
         if (!(nodes[to].area > 0)) return;
-        const double e = double(guide.radiosity[from]) * error / nodes[to].area;
-        variance[to] += e * e;
+        const double per = double(guide.radiosity[from]) / nodes[to].area;
+        squares[to] += per * per * (error * error + noise * noise);
+        plain[to] += per * error;
     };
     for (const Link& l : set.links) {
-        add(l.a, l.b, double(l.error_a));
-        add(l.b, l.a, double(l.error_b));
+        add(l.a, l.b, double(l.error_a), double(l.noise));
+        if (l.a != l.b) add(l.b, l.a, double(l.error_b), double(l.noise));
     }
-    double sum = 0, area = 0;
+    const std::size_t count = nodes.scene().instances.size();
+    std::vector<double> error(count, 0), light(count, 0), power(count, 0);
     for (std::uint32_t n = 0; n < nodes.size(); ++n) {
         const Node& node = nodes[n];
-        if (node.parent != kNoNode) variance[n] += variance[node.parent];
+        if (node.parent != kNoNode) {
+            squares[n] += squares[node.parent];
+            plain[n] += plain[node.parent];
+        }
         if (node.kind != NodeKind::Surface || node.child_count > 0) continue;
-        const double rho = double(guide.reflectance[n]);
-        sum += node.area * rho * rho * variance[n];
-        area += node.area;
+        const double rho = double(guide.reflectance[n]), together = kAgreement * growth * plain[n];
+        error[node.instance] += node.area * rho * rho * (squares[n] + together * together);
+        light[node.instance] += node.area * std::pow(rho * double(guide.irradiance[n]), 2);
+        power[node.instance] += node.area * rho * double(guide.irradiance[n]);
     }
-    return area > 0 ? std::sqrt(sum / area) : 0;
+    for (auto n = static_cast<std::uint32_t>(nodes.size()); n-- > 0;) {
+        const Node& node = nodes[n];
+        if (node.child_count > 0 && node.area > 0) plain[n] = below[n] / node.area;
+        if (node.parent != kNoNode) below[node.parent] += node.area * plain[n];
+    }
+    guide.error.assign(plain.begin(), plain.end());
+    ErrorEstimate e;
+    double sum = 0, all = 0;
+    for (const double p : power) all += p;
+    for (std::size_t i = 0; i < count; ++i) {
+        sum += error[i];
+        e.of_instance.push_back(power[i] > kCountingShare * all ? std::sqrt(error[i] / light[i]) : 0);
+    }
+    e.whole = guide.reflected > 0 ? std::sqrt(sum / guide.reflected) : 0;
+    return e;
 }
 
 }  // namespace rro

@@ -22,8 +22,15 @@ struct LinkSet {
 /// on the number of threads.
 void refine(LinkSet& set, Nodes& nodes, Guide& guide, const LinkBuilder& builder);
 
-/// Area-weighted root mean square of the error of R over leaf surfaces that the links' own errors add up to, W/m^2.
-/// Errors of different links are taken as independent.
-double estimated_error(const LinkSet& set, const Nodes& nodes, const Guide& guide);
+/// Relative errors of R (contract: accuracy): of the scene, and of each instance by itself (0 where it
+/// holds next to no light).
+struct ErrorEstimate {
+    double whole = 0;
+    std::vector<double> of_instance;
+};
+
+/// The errors that the links' own errors add up to; also leaves their sums per node in the guide. They agree in sign by
+/// kAgreement, and that part grows over bounces by `growth`, as the light itself.
+ErrorEstimate estimate_error(const LinkSet& set, const Nodes& nodes, double growth, Guide& guide);
 
 }  // namespace rro

@@ -1,5 +1,8 @@
 // The solve, in order: nodes, then rounds of refining links under the light known so far and iterating that light.
 #include <chrono>
+#include <map>
+#include <cstdio>
+#include <cstdlib>
 
 #include "solver/transport/gather.h"
 #include "solver/transport/refine.h"
@@ -17,8 +20,11 @@ constexpr int kMostRounds = 9;
 constexpr int kMostSweeps = 1000;
 // Light of the first rounds only steers refinement: direct light, one bounce, then converged.
 constexpr int kDirectRounds = 1;
-// The share of the total error that one link may bring; some tens of links of this size meet at a face.
-constexpr double kLinkShare = 1.0;
+// How much of the squared error one link may bring at first; later rounds learn it from the estimate.
+constexpr double kFirstShare = 1.0 / 1000;
+constexpr double kCoarseAccuracy = 0.3;
+// An instance by itself may be this many times worse than the scene.
+constexpr double kWorstInstance = 2;
 
 struct Residual {
     int sweeps = 0;
@@ -43,8 +49,7 @@ Residual iterate(LightField<C>& field, double goal, double largest_reflectance, 
     return out;
 }
 
-// What later bounces make of an error in the light of one: errors that agree in sign grow like the light itself, those
-// that do not mostly cancel; the root of the light's growth lies between.
+// What later bounces make of an error in the light of one, where errors agree in sign: they grow like the light itself.
 template <int C>
 double amplification(const Scene& scene, const Nodes& nodes, const LightField<C>& field) {
     double all = 0, emitted = 0;
@@ -57,7 +62,7 @@ double amplification(const Scene& scene, const Nodes& nodes, const LightField<C>
                 emitted += nodes[id].area * double(field.exitance(id, c));
             }
     }
-    return emitted > 0 ? std::sqrt(std::max(1.0, all / emitted)) : 1.0;
+    return emitted > 0 ? std::max(1.0, all / emitted) : 1.0;
 }
 
 template <int C>
@@ -111,7 +116,8 @@ Result<Solution> solve(const Scene& scene, const Plan& plan, const TransportOpti
     const bool bounces = plan.on("interreflection");
     const bool closed = plan.on("self") && is_closed_shell(scene);
     Guide guide;
-    guide.tolerance = kLinkShare * options.accuracy;
+    guide.error.assign(nodes.size(), 0.0f);
+    guide.share.assign(scene.instances.size(), std::pow(std::max(kCoarseAccuracy, options.accuracy), 2) * kFirstShare);
     solution.seconds.links += seconds_since(start);
 
     double largest_reflectance = 0, emitted = 0, area = 0;
@@ -132,7 +138,7 @@ Result<Solution> solve(const Scene& scene, const Plan& plan, const TransportOpti
         start = Clock::now();
         field.fill(guide);
         // Before any light has been gathered: all emitted power spread evenly and reflected once.
-        if (round == 0 && area > 0) guide.typical_reflected = emitted / area * 0.5;
+        if (round == 0 && area > 0) guide.reflected = emitted * emitted / area * 0.25;
         const std::size_t before = nodes.size(), links_before = set.links.size();
         const std::uint64_t rays_before = set.rays;
         refine(set, nodes, guide, builder);
@@ -152,11 +158,19 @@ Result<Solution> solve(const Scene& scene, const Plan& plan, const TransportOpti
         solution.seconds.iterate += seconds_since(start);
 
         field.fill(guide);
-        error = guide.typical_reflected > 0 ? estimated_error(set, nodes, guide) / guide.typical_reflected : 0;
-        if (!closed) error *= amplification(scene, nodes, field);
-        if (round < kDirectRounds + 1) continue;
-        if (error <= options.accuracy && !(changed && round < kDirectRounds + 2)) break;
-        if (error > options.accuracy) guide.tolerance *= std::clamp(0.8 * options.accuracy / error, 0.25, 0.8);
+        const ErrorEstimate estimate = estimate_error(set, nodes, closed ? 1.0 : amplification(scene, nodes, field), guide);
+        error = estimate.whole;
+        if (getenv("RRO_DBG")) fprintf(stderr, "round %d: share %g links %zu rays %lu est %.4f sweeps %d nodes %zu t %.2f %.2f\n", round, guide.share[0]/ (options.accuracy*options.accuracy), set.links.size(), set.rays, error, residual.sweeps, nodes.size(), solution.seconds.links, solution.seconds.iterate);
+        if (round < kDirectRounds) continue;
+        bool good = true;
+        for (std::size_t i = 0; i < guide.share.size(); ++i) {
+            const double over = std::min(options.accuracy / std::max(error, 1e-300),
+                                         kWorstInstance * options.accuracy / std::max(estimate.of_instance[i], 1e-300));
+            if (over >= 1) continue;
+            good = false;
+            guide.share[i] *= std::clamp(0.7 * over * over * over, 1.0 / 30, 0.7);
+        }
+        if (good && !(changed && round < kDirectRounds + 1)) break;
     }
 
     solution.residual = residual.relative;
@@ -165,7 +179,38 @@ Result<Solution> solve(const Scene& scene, const Plan& plan, const TransportOpti
     solution.rays = set.rays;
     for (const Link& l : set.links) {
         if (nodes[l.a].instance == nodes[l.b].instance) ++solution.links.self;
-        else ++(l.near ? solution.links.near : solution.links.far);
+        else ++(l.mean() ? solution.links.near : solution.links.far);
+    }
+    if (const char* ff = getenv("RRO_FACE")) {
+        const auto want = static_cast<std::uint32_t>(atoi(ff));
+        const ObjectData& d = scene.instances[0].data();
+        for (std::uint32_t f = 0; f < d.faces.size(); ++f) if (d.source_triangle[d.faces[f].triangle()] == want) {
+            std::uint32_t id = nodes.instance(0).first_face + f;
+            fprintf(stderr, "face node %u children %u E %g\n", id, nodes[id].child_count, double(field.irradiance()[std::size_t(id) * C + 1 % C]));
+            std::vector<std::uint32_t> chain; for (std::uint32_t a = id; a != kNoNode; a = nodes[a].parent) chain.push_back(a);
+            for (std::uint32_t a = id; nodes[a].child_count > 0;) { a = nodes[a].first_child + 3; chain.push_back(a); fprintf(stderr, "element %u E %g\n", a, double(field.irradiance()[std::size_t(a) * C + 1 % C])); }
+            for (std::uint32_t a : chain)
+                for (const Link& l : set.links) if (l.a == a || l.b == a) {
+                    const bool isa = l.a == a; const std::uint32_t o = isa ? l.b : l.a;
+                    fprintf(stderr, "  at %u kind %d r %.3f A %.2g <- %s %u kind %d r %.3f B %.3g  d %.3f base %.3g mode %d err %.3g noise %.3g E~ %.4g\n", a, int(nodes[a].kind), double(nodes[a].radius), nodes[a].area, scene.instances[nodes[o].instance].name.c_str(), o, int(nodes[o].kind), double(nodes[o].radius), double(guide.radiosity[o]), length(nodes[a].centre - nodes[o].centre), double(isa ? l.base_a : l.base_b), int(isa ? l.mode_a : l.mode_b), double(isa ? l.error_a : l.error_b), double(l.noise), double(isa ? l.base_a : l.base_b) / 3.14159 * double(guide.radiosity[o]) / nodes[a].area);
+                }
+        }
+    }
+    if (getenv("RRO_DBG")) {
+        std::map<std::pair<std::string,std::string>, std::array<double,6>> h;
+        const char* kn[]={"S","F","B","C"};
+        std::vector<double> bring;
+        for (const Link& l : set.links) {
+            const auto k = std::make_pair(scene.instances[nodes[l.a].instance].name + "-" + scene.instances[nodes[l.b].instance].name, std::string(kn[int(nodes[l.a].kind)])+kn[int(nodes[l.b].kind)]+(l.mean()?"n":"f")+(l.stored!=kNotStored?"s":""));
+            auto& x=h[k]; x[0]+=1;
+            
+            x[1]+=harm(guide,nodes,l.a,l.b,double(l.error_a))+harm(guide,nodes,l.b,l.a,double(l.error_b));
+        }
+        double tot=0; for(auto&[k,x]:h) tot+=x[1];
+        std::vector<std::pair<double,std::string>> out;
+        for(auto&[k,x]:h){ char b[300]; snprintf(b,300,"%-40s %-5s %8.0f  err2 %.4f\n",k.first.c_str(),k.second.c_str(),x[0],x[1]/tot); out.push_back({x[0],b}); }
+        std::sort(out.rbegin(),out.rend());
+        for(size_t i=0;i<out.size()&&i<60;++i) fputs(out[i].second.c_str(),stderr);
     }
     solution.links.bytes = set.links.size() * sizeof(Link) + field.bytes();
     store(scene, nodes, field, solution);
