@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
 # What a solve costs against the triangles of its objects: one smooth object at several resolutions, placed six times in
-# one room, everything else alike. Prints a Markdown table; solves run three times each in turn, the medians count.
+# one room, everything else alike. Prints a Markdown table; solves take turns, the medians count.
 #
 #   tests/bench/triangles.sh RRO_COMPILE RRO_SOLVE WORK     WORK: a folder for meshes, archives and reports; kept
 #
-#   COUNTS="10000 100000" ACCURACY=0.05 tests/bench/triangles.sh ...     other counts, another accuracy
+#   COUNTS="10000 100000" ACCURACY=0.1 RUNS=1 tests/bench/triangles.sh ...     other counts, accuracy (0.05), solves (3)
 set -euo pipefail
 
 if [ $# -ne 3 ]; then
@@ -14,6 +14,7 @@ fi
 compiler=$1 solver=$2 work=$3
 counts=${COUNTS:-10000 30000 100000 300000 1000000}
 accuracy=${ACCURACY:-0.05}
+runs=${RUNS:-3}
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 mkdir -p "$work"
 
@@ -59,19 +60,19 @@ json.dump({"format": "rro-scene/1", "instances": room + objects}, sys.stdout)
 PY
 done
 
-for run in 1 2 3; do
+for run in $(seq "$runs"); do
     for count in $counts; do
         # Exit 1: the estimate stayed above the accuracy; the table says so.
         "$solver" run "$work/scene_$count.json" --accuracy "$accuracy" --report "$work/report_${count}_$run.json" --quiet || [ $? -eq 1 ]
     done
 done
 
-python3 - "$work" $counts <<'PY'
+python3 - "$work" "$runs" $counts <<'PY'
 import json, statistics, sys
 print("| triangles per object | in the scene | links | elements | rays | links, s | iterate, s | links and iterate, s | load, s | estimate | peak, MB |")
 print("|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|")
-for count in sys.argv[2:]:
-    runs = [json.load(open(f"{sys.argv[1]}/report_{count}_{k}.json")) for k in (1, 2, 3)]
+for count in sys.argv[3:]:
+    runs = [json.load(open(f"{sys.argv[1]}/report_{count}_{k}.json")) for k in range(1, int(sys.argv[2]) + 1)]
     r = runs[0]
     links, iterate, load = (statistics.median(run["seconds"][phase] for run in runs) for phase in ("links", "iterate", "load"))
     both = statistics.median(run["seconds"]["links"] + run["seconds"]["iterate"] for run in runs)
