@@ -67,6 +67,6 @@ print(size, -(low[0] + high[0]) / 2, -low[1], -(low[2] + high[2]) / 2)')
 JSON
         "$bench" "$work/scene.json" "$samples" "$accuracy" |
             awk -v name="$name" -v key="${key#* }" -v order="${key%% *}" \
-                'NR == 3 { printf "%s| %s | %s | %s | %s | %s |\n", order, name, key, $2, $5, $4 }'
+                'NR == 3 { printf "%s| %s | %s | %s | %s | %s |\n", order, name, key, $2, $9, $6 }'
     done | sort | cut -c2-
 done
