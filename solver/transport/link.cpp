@@ -17,7 +17,8 @@ constexpr double kSmallestElementShare = 1e-6;  // of the scene's area
 // A flat or planar end as a point: second order.
 constexpr double kCurvature = 0.5;  // of (r / d)^2
 // How well archives know the exchange area of a self link, and, of its standard deviation of a ray, its visibility.
-constexpr double kStoredExchange = 0.02, kStoredVisibility = 0.25, kStoredLines = 16;
+// Of touching ends few lines decide.
+constexpr double kStoredExchange = 0.02, kStoredVisibility = 0.25, kStoredLines = 16, kStoredTouching = 2;
 // From this share of the distance on, an end counts as several points; what is left is this part of the difference that
 // they make, and of the second order that they do not see.
 constexpr double kOnePoint = 0.08, kLeftOver = 0.3;
@@ -232,7 +233,7 @@ Verdict LinkBuilder::judge_stored(const Pair& pair, const SelfPair& stored, cons
     // By Laplace's rule for the lines that the compiler drew: what it found hidden may have a gap.
     const double likely = own == 1 ? 1 : (own * kStoredLines + 1) / (kStoredLines + 2);
     const double known = scale * scale * double(stored.unoccluded) *
-                         std::hypot(kStoredExchange * own, kStoredVisibility * std::sqrt(likely * (1 - likely)));
+                         std::hypot(kStoredExchange * own, kStoredVisibility * (1 + kStoredTouching * (near_a + near_b)) * std::sqrt(likely * (1 - likely)));
     const double error_a = std::hypot(received(na, near_a, o.mode_a), sent_as_one(b, near_b, guide), shadow * shadow_share(na));
     const double error_b = std::hypot(received(nb, near_b, o.mode_b), sent_as_one(a, near_a, guide), shadow * shadow_share(nb));
     o.error_a = std::hypot(g * error_a, known);
@@ -449,9 +450,9 @@ Verdict LinkBuilder::judge_far(std::uint32_t a, std::uint32_t b, const Guide& gu
     const double share_a = own >= 0 ? 1 : areas_.visible_share(na, w, end_a.mode);
     const double share_b = own >= 0 ? 1 : areas_.visible_share(nb, -w, end_b.mode);
     if (share_a <= 0 || share_b <= 0) return {};
-    // Within a cluster, who hides whom is not known by direction.
+    // One share for all of an end: which of its faces are hidden is known to Bins outside alone.
     const auto hidden = [&](const Node& n, EndMode mode, double share) {
-        return n.kind == NodeKind::Bins && mode == EndMode::Inside ? std::sqrt(std::max(0.0, share * (1 - share))) : 0.0;
+        return n.kind == NodeKind::Bins && mode == EndMode::Outside ? 0.0 : std::sqrt(std::max(0.0, share * (1 - share)));
     };
     const double hidden_a = hidden(na, end_a.mode, share_a), hidden_b = hidden(nb, end_b.mode, share_b);
     if (!negligible && harm_of(guide, o, g * hidden_a, g * hidden_b) > 1)
