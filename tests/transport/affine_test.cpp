@@ -123,4 +123,17 @@ TEST_CASE("an archive under maps that nearly keep its shape", "[transport][affin
     check_under_maps("open box", make_open_box(1, 1, 1, 2), 0.2, 10);
 }
 
+TEST_CASE("an archive under any affine map: a convex body", "[transport][affine]") {
+    check_under_maps("box", make_box(1, 1.5, 0.8, 2), 1, 20);
+}
+TEST_CASE("an archive under any affine map: a seat with its back", "[transport][affine]") {
+    check_under_maps("seat", translated(make_seat(2), {0, -0.6, 0}), 1, 20);
+}
+TEST_CASE("an archive under any affine map: a sphere with a dent", "[transport][affine]") {
+    check_under_maps("dented sphere", make_dented_sphere(1, 0.8), 1, 20);
+}
+TEST_CASE("an archive under any affine map: an open box, both sides of it", "[transport][affine]") {
+    check_under_maps("open box", make_open_box(1, 1, 1, 2), 1, 20);
+}
+
 }  // namespace rro::test
