@@ -83,6 +83,8 @@ class LinkBuilder {
     bool may_see(const Node& from, const Node& to) const;
     /// Does the object hide nothing of itself, so that its visibility is 1 wherever it faces?
     bool exact_tables(const Node& n) const;
+    /// Names a node for the random numbers of its pairs, wherever its instance stands in the manifest.
+    std::uint64_t sample_key(std::uint32_t node) const;
     EndMode end_mode(const Node& end, const Node& other, double affordable_error) const;
 
     /// Mean transmittance between two ends and the variance of that mean. `need`: the ray count doubles until its
@@ -99,6 +101,7 @@ class LinkBuilder {
     const SceneRays& rays_;
     const TransportOptions& options_;
     std::vector<std::uint64_t> instance_key_;  // from the name
+    std::vector<std::uint64_t> group_key_;     // from its members' names
     double smallest_area_ = 0;                 // of an element, m^2
 };
 

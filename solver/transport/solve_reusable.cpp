@@ -164,7 +164,7 @@ Result<Solution> solve(const Scene& scene, const Plan& plan, const TransportOpti
     solution.converged = solution.estimated_error <= options.accuracy;
     solution.rays = set.rays;
     for (const Link& l : set.links) {
-        if (nodes[l.a].instance == nodes[l.b].instance) ++solution.links.self;
+        if (!nodes[l.a].group() && nodes[l.a].instance == nodes[l.b].instance) ++solution.links.self;
         else ++(l.near ? solution.links.near : solution.links.far);
     }
     solution.links.bytes = set.links.size() * sizeof(Link) + field.bytes();
