@@ -345,6 +345,17 @@ Verdict LinkBuilder::judge_near(std::uint32_t a, std::uint32_t b, const Guide& g
     return v;
 }
 
+// A small source may light a part of a large receiver, and each part by a source of its own: what matters is the part
+// that lies nearest, about as large as the source or as the gap is wide, not the mean over the receiver.
+double LinkBuilder::most_harm(std::uint32_t to, std::uint32_t from, double gap, const Guide& guide) const {
+    const Node &nt = nodes_[to], &nf = nodes_[from];
+    const double spread = std::numbers::pi * gap * gap;
+    const double share = std::min(largest_share(nt, nf), nf.area / std::max(spread, 1e-300));
+    Node part = nt;
+    part.area = std::min(nt.area, std::max(nf.area, spread));
+    return double(guide.reflectance[to]) * double(guide.radiosity[from]) * share / link_tolerance(guide, part);
+}
+
 Verdict LinkBuilder::judge_far(std::uint32_t a, std::uint32_t b, const Guide& guide, double own) const {
     const Node &na = nodes_[a], &nb = nodes_[b];
     if (na.kind == NodeKind::Cluster) return split(a, b, true);
@@ -352,14 +363,10 @@ Verdict LinkBuilder::judge_far(std::uint32_t a, std::uint32_t b, const Guide& gu
 
     const Vec3 between = nb.centre - na.centre;
     const double distance = length(between), ra = double(na.radius), rb = double(nb.radius);
-    const double plain = std::max(reflected(guide, nodes_, a, b, 1) / link_tolerance(guide, na),
-                                  reflected(guide, nodes_, b, a, 1) / link_tolerance(guide, nb));
 
     const bool disjoint = !na.box.overlaps(nb.box);
     const double gap = std::max(0.0, distance - ra - rb);
-    const double biggest = std::min(largest_share(na, nb) * std::min(na.area, nb.area),
-                                    na.area * nb.area / (std::numbers::pi * std::max(gap * gap, 1e-300)));
-    const bool negligible = plain * biggest <= kNegligible;
+    const bool negligible = std::max(most_harm(a, b, gap, guide), most_harm(b, a, gap, guide)) <= kNegligible;
     const double factor_a = na.kind == NodeKind::Bins ? options_.far_factor : kNearestFlat;
     const double factor_b = nb.kind == NodeKind::Bins ? options_.far_factor : kNearestFlat;
     if (!negligible && (!disjoint || distance < std::max(factor_a * ra, factor_b * rb)))

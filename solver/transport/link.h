@@ -79,6 +79,8 @@ class LinkBuilder {
     // own: what the ends' common object leaves, where that is known; else negative, and rays test it.
     Verdict judge_near(std::uint32_t a, std::uint32_t b, const Guide& guide, double own) const;
     Verdict judge_far(std::uint32_t a, std::uint32_t b, const Guide& guide, double own) const;
+    /// The most reflected radiosity, in tolerances, that `from` may bring to a part of `to` over this gap.
+    double most_harm(std::uint32_t to, std::uint32_t from, double gap, const Guide& guide) const;
     Verdict split(std::uint32_t a, std::uint32_t b, bool prefer_a) const;
     bool may_see(const Node& from, const Node& to) const;
     /// Does the object hide nothing of itself, so that its visibility is 1 wherever it faces?
