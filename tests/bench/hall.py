@@ -2,8 +2,9 @@
 """A hall of furniture at constant density: how does the solver's work grow with the number of instances?
 
   hall.py LIBRARY_DIR COUNT OUT.json   writes the manifest and, beside it, the hall's shell as OUT.shell.obj
+  hall.py plain DIR                    writes meshes of boxes by the names of the sample library's, and DIR/library.json
 
-COUNT objects of the sample library (archives in LIBRARY_DIR) stand in a square hall, each in a cell of its own, turned and
+COUNT objects of the sample library (archives in LIBRARY_DIR) or the plain one stand in a square hall, each in a cell of its own, turned and
 shifted by a fixed pseudo-random amount; small things stand on tables. Ceiling panels hang at regular spacing and come on top
 of COUNT. The shell must be compiled before the manifest is solved: rro-compile build OUT.shell.obj --out OUT.shell.rro.
 """
@@ -97,7 +98,50 @@ def shell(path, columns, rows):
             quad((width, 0, z0), (width, 0, z1), (width, HEIGHT, z1), (width, HEIGHT, z0))
 
 
+LEGS = [(x, z) for x in (-1, 1) for z in (-1, 1)]
+PLAIN = {  # boxes: centre and size, metres
+    "chair": [((0, 0.45, 0), (0.43, 0.04, 0.43)), ((0, 0.72, -0.2), (0.43, 0.46, 0.03))] +
+             [((0.19 * x, 0.215, 0.19 * z), (0.04, 0.428, 0.04)) for x, z in LEGS],
+    "table": [((0, 0.72, 0), (1.6, 0.04, 0.9))] + [((0.75 * x, 0.349, 0.4 * z), (0.06, 0.698, 0.06)) for x, z in LEGS],
+    "sofa": [((0, 0.25, 0), (1.7, 0.4, 0.8)), ((0, 0.65, -0.3), (1.7, 0.38, 0.2)),
+             ((-0.96, 0.35, 0), (0.2, 0.6, 0.8)), ((0.96, 0.35, 0), (0.2, 0.6, 0.8))],
+    "bookshelf": [((0, y, 0), (1.16, 0.03, 0.28)) for y in (0.1, 0.5, 0.9, 1.3, 1.7)] +
+                 [((x, 0.97, 0), (0.03, 1.9, 0.3)) for x in (-0.6, 0.6)] + [((0, 0.97, -0.16), (1.2, 1.9, 0.01))],
+    "bust": [((0, 0.5, 0), (0.36, 1.0, 0.36)), ((0, 1.18, 0), (0.34, 0.3, 0.2)), ((0, 1.47, 0), (0.16, 0.24, 0.2))],
+    "palm": [((0, 0.2, 0), (0.35, 0.4, 0.35)), ((0, 0.8, 0), (0.06, 0.78, 0.06))] +
+            [((0.35 * x, 1.3, 0.35 * z), (0.6, 0.02, 0.6)) for x, z in LEGS],
+    "ball": [((0, 0.17, 0), (0.28, 0.28, 0.28))],
+    "telephone": [((0, 0.05, 0), (0.2, 0.1, 0.2)), ((0, 0.13, 0), (0.3, 0.04, 0.05))],
+    "vase": [((0, 0.17, 0), (0.18, 0.34, 0.18))],
+    "desk_lamp": [((0, 0.01, 0), (0.18, 0.02, 0.18)), ((0, 0.22, 0), (0.03, 0.38, 0.03)), ((0.05, 0.43, 0), (0.2, 0.02, 0.12))],
+    "ceiling_panel": [((0, -0.015, 0), (1.2, 0.03, 0.6))],
+}
+
+
+def box(out, first, centre, size):
+    """One closed box; `first` is the number of its first vertex."""
+    for k in range(8):
+        out.write("v %.6g %.6g %.6g\n" % tuple(c + (0.5 if k >> i & 1 else -0.5) * s
+                                              for i, (c, s) in enumerate(zip(centre, size))))
+    for quad in ((0, 4, 6, 2), (1, 3, 7, 5), (0, 1, 5, 4), (2, 6, 7, 3), (0, 2, 3, 1), (4, 5, 7, 6)):
+        out.write("f %d %d %d %d\n" % tuple(first + k for k in quad))
+
+
+def plain(folder):
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "plain.mtl").write_text("newmtl plain\nKd 0.5 0.5 0.5\nnewmtl panel\nKd 0.8 0.8 0.8\n")
+    for name, boxes in PLAIN.items():
+        with open(folder / (name + ".obj"), "w") as out:
+            out.write("mtllib plain.mtl\nusemtl %s\n" % ("panel" if name == "ceiling_panel" else "plain"))
+            for k, (centre, size) in enumerate(boxes):
+                box(out, 8 * k + 1, centre, size)
+    objects = [{"name": name, "mesh": name + ".obj"} for name in PLAIN]
+    (folder / "library.json").write_text(json.dumps({"format": "rro-library/1", "objects": objects}, indent=1))
+
+
 def main():
+    if len(sys.argv) == 3 and sys.argv[1] == "plain":
+        return plain(Path(sys.argv[2]))
     if len(sys.argv) != 4:
         print(__doc__, file=sys.stderr)
         sys.exit(2)

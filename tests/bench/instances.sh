@@ -4,7 +4,8 @@
 #
 #   tests/bench/instances.sh RRO_COMPILE RRO_SOLVE WORK_DIR COUNT...
 #
-# The sample library is compiled into WORK_DIR/library unless it is there. ACCURACY in the environment replaces 0.1.
+# The library is compiled into WORK_DIR/library unless it is there: the sample objects, or with PLAIN=1 in the environment
+# objects of the same names made of boxes. ACCURACY in the environment replaces 0.1.
 set -euo pipefail
 
 if [ $# -lt 4 ]; then
@@ -16,7 +17,12 @@ shift 3
 here=$(cd "$(dirname "$0")" && pwd)
 mkdir -p "$work"
 if [ ! -e "$work/library" ]; then
-    "$compiler" library "$here/../../samples/library.json" --out "$work/library" --quiet
+    list=$here/../../samples/library.json
+    if [ -n "${PLAIN:-}" ]; then
+        python3 "$here/hall.py" plain "$work/plain"
+        list=$work/plain/library.json
+    fi
+    "$compiler" library "$list" --out "$work/library" --quiet
 fi
 
 echo "| objects | instances | triangles | links | links per instance | rays | load s | links s | iterate s | total s | peak GB | error estimate | slope |"
