@@ -19,6 +19,7 @@ CELL = 1.8           # metres between objects
 HEIGHT = 3.2         # metres
 PANEL_CELLS = 2      # one panel over every 2 x 2 cells
 TILE_CELLS = 2       # the shell's quads are as large
+PANEL_BELOW = 0.4    # metres; close to the ceiling, half of the light would go into a gap
 PANEL_EXITANCE = [120, 112, 98]
 TABLE_TOP = 0.741
 GAP = 0.001
@@ -162,7 +163,7 @@ def main():
     for column in range(columns // PANEL_CELLS):
         for row in range(rows // PANEL_CELLS):
             instances.append({"name": "panel_%d_%d" % (column, row), "archive": archive("ceiling_panel"),
-                              "transform": {"translate": [spacing * (column + 0.5), HEIGHT - 0.01, spacing * (row + 0.5)]},
+                              "transform": {"translate": [spacing * (column + 0.5), HEIGHT - PANEL_BELOW, spacing * (row + 0.5)]},
                               "materials": {"panel": {"exitance": PANEL_EXITANCE}}})
     with open(out, "w") as file:
         json.dump({"format": "rro-scene/1", "instances": instances}, file, indent=1)

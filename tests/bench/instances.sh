@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # How the solver's work grows with the number of instances: halls of COUNT objects (tests/bench/hall.py), solved at one
-# accuracy, as a Markdown table. Slopes are of log seconds (links and iterations) over log instances, against the row above.
+# accuracy, as a Markdown table. Slopes are of log processor seconds over log instances, against the row above; processor
+# seconds, so that other work on the machine counts for little.
 #
 #   tests/bench/instances.sh RRO_COMPILE RRO_SOLVE WORK_DIR COUNT...
 #
@@ -25,33 +26,33 @@ if [ ! -e "$work/library" ]; then
     "$compiler" library "$list" --out "$work/library" --quiet
 fi
 
-echo "| objects | instances | triangles | links | links per instance | rays | load s | links s | iterate s | total s | peak GB | error estimate | slope |"
-echo "|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|"
-last=
+echo "| objects | instances | triangles | links | links per instance | rays | load s | links s | iterate s | total s | processor s | peak GB | error estimate | slope |"
+echo "|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|"
+rm -f "$work/last"
 for count in "$@"; do
     scene=$work/hall_$count.json
     python3 "$here/hall.py" "$work/library" "$count" "$scene"
     "$compiler" build "${scene%.json}.shell.obj" --out "${scene%.json}.shell.rro" --two-sided no --quiet
     report=${scene%.json}.report.json
     # Code 1: solved, but the estimate is above the accuracy asked.
-    "$solver" run "$scene" --accuracy "${ACCURACY:-0.1}" --report "$report" --quiet || [ $? -eq 1 ]
-    last=$(python3 - "$report" "$count" "$scene" "$last" <<'PYTHON'
-import json, math, sys
-report, count, scene, last = sys.argv[1:]
-report = json.load(open(report))
+    TIMEFORMAT='%U %S'
+    { time "$solver" run "$scene" --accuracy "${ACCURACY:-0.1}" --report "$report" --quiet 2>&3 || [ $? -eq 1 ]; } \
+        3>&2 2>"$work/seconds"
+    python3 - "$report" "$count" "$scene" "$work/seconds" "$work/last" <<'PYTHON'
+import json, math, os, sys
+report_path, count, scene, seconds_path, last_path = sys.argv[1:]
+processor = sum(float(x) for x in open(seconds_path).read().split()[-2:])
+report = json.load(open(report_path))
 instances = len(json.load(open(scene))["instances"])
-seconds, links = report["seconds"], report["links"]
-work = seconds["links"] + seconds["iterate"]
-total = links["total"]
+seconds, links = report["seconds"], report["links"]["total"]
 slope = ""
-if last:
-    n, t = (float(x) for x in last.split())
-    slope = "%.2f" % (math.log(work / t) / math.log(instances / n))
-print("| %s | %d | %d | %d | %d | %d | %.1f | %.1f | %.1f | %.1f | %.2f | %.3f | %s |" % (
-    count, instances, report["triangles"], total, total / instances, report["rays"], seconds["load"],
-    seconds["links"], seconds["iterate"], seconds["total"], report["memory_peak_bytes"] / 2**30, report["estimated_error"],
-    slope), file=sys.stderr)
-print(instances, work)
+if os.path.exists(last_path):
+    n, s = (float(x) for x in open(last_path).read().split())
+    slope = "%.2f" % (math.log(processor / s) / math.log(instances / n))
+open(last_path, "w").write("%d %f" % (instances, processor))
+print("| %s | %d | %d | %d | %d | %d | %.1f | %.1f | %.1f | %.1f | %.1f | %.2f | %.3f | %s |" % (
+    count, instances, report["triangles"], links, links / instances, report["rays"], seconds["load"], seconds["links"],
+    seconds["iterate"], seconds["total"], processor, report["memory_peak_bytes"] / 2**30, report["estimated_error"],
+    slope))
 PYTHON
-)
 done
