@@ -35,7 +35,7 @@ constexpr double kWithinFace = 0.4;
 constexpr double kShadowWithinFace = 0.12;
 
 // Shafts with more candidates than this are not listed.
-constexpr std::size_t kMostCandidates = 24;
+constexpr std::size_t kMostCandidates = 64;
 
 constexpr std::uint32_t kFewestRays = 8, kFirstRays = 16, kMostRays = 256;
 // Errors of links from one direction agree in sign, so a link that brings little light may bring little error: its
@@ -117,6 +117,16 @@ LinkBuilder::LinkBuilder(const Nodes& nodes, const EndAreas& areas, const SceneR
             key += mix64(instance_key_[nodes.groups().members[m]]);
         group_key_.push_back(mix64(key));
     }
+    // Members' tables err independently of one another.
+    std::vector<double> square(nodes.group_count(), 0);
+    for (std::uint32_t g = nodes.group_count(); g-- > 0;) {
+        for (const std::uint32_t child : {nodes[g].first_child, nodes[g].second_child}) {
+            const Node& n = nodes[child];
+            square[g] += n.group() ? square[child] : exact_tables(n) ? 0.0 : std::pow(kWholeTableError * n.area, 2);
+        }
+    }
+    for (std::uint32_t g = 0; g < nodes.group_count(); ++g)
+        group_table_error_.push_back(nodes[g].area > 0 ? std::sqrt(square[g]) / nodes[g].area : 0.0);
 }
 
 bool LinkBuilder::divisible(const Node& n) const {
@@ -384,6 +394,7 @@ Verdict LinkBuilder::judge_far(std::uint32_t a, std::uint32_t b, const Guide& gu
     const EndMode mode_a = end_mode(na, nb, 0.7 / strongest), mode_b = end_mode(nb, na, 0.7 / strongest);
 
     const auto end_error = [&](const Node& n, EndMode mode) {
+        if (n.group()) return group_table_error_[n.index];
         if (n.kind == NodeKind::Surface || exact_tables(n)) return 0.0;
         if (mode == EndMode::Outside) return kWholeTableError;
         return n.kind == NodeKind::Bins ? kIntrinsicTableError : 0.0;

@@ -104,6 +104,7 @@ class LinkBuilder {
     const TransportOptions& options_;
     std::vector<std::uint64_t> instance_key_;  // from the name
     std::vector<std::uint64_t> group_key_;     // from its members' names
+    std::vector<double> group_table_error_;    // relative, of the projected area
     double smallest_area_ = 0;                 // of an element, m^2
 };
 
