@@ -32,6 +32,11 @@ class Builder {
   private:
     const Box3& box(std::uint32_t instance) const { return scene_.instances[instance].bounds; }
 
+    bool shines(std::uint32_t instance) const {
+        const std::vector<Rgb>& exitance = scene_.instances[instance].exitance;
+        return std::any_of(exitance.begin(), exitance.end(), [](const Rgb& m) { return m.x > 0 || m.y > 0 || m.z > 0; });
+    }
+
     /// Orders the members so that the first ones, as many as returned, are one part of two.
     std::uint32_t part(std::uint32_t first, std::uint32_t count) {
         const auto begin = tree_.members.begin() + first, end = begin + count;
@@ -39,6 +44,10 @@ class Builder {
         for (auto m = begin; m != end; ++m) {
             all.add(box(*m));
             centres.add(box(*m).centre());
+        }
+        if (first == 0 && count == tree_.members.size()) {
+            const auto dark = std::stable_partition(begin, end, [&](std::uint32_t i) { return shines(i); });
+            if (dark != begin && dark != end) return static_cast<std::uint32_t>(dark - begin);
         }
         const auto large = [&](std::uint32_t i) { return length(box(i).extent()) >= kLarge * length(all.extent()); };
         const auto middle = std::stable_partition(begin, end, large);

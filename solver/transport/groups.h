@@ -25,7 +25,8 @@ struct GroupTree {
 
 /// Halves the instances by their centres along the widest axis, down to single instances. Instances about as large as
 /// all of a group first part from the others: a room, or a table under what stands on it, would stretch the boxes of
-/// all groups that it is in. The tree depends on boxes and names, not on the order of the manifest.
+/// all groups that it is in. Lamps are kept apart from all else: one visibility serves all members of a group, and the
+/// light of a lamp among furniture would get that of the furniture. The tree depends on boxes and names, not on the order of the manifest.
 GroupTree group_instances(const Scene& scene);
 
 }  // namespace rro

@@ -120,9 +120,12 @@ TEST_CASE("groups hold every instance once, whatever the order of the manifest",
         for (const std::uint32_t child : group.child)
             if (!tree.is_group(child)) ++seen[tree.instance(child)];
     CHECK(seen == std::vector<int>(seen.size(), 1));
-    // The floor reaches as far as all of them.
-    REQUIRE(!tree.is_group(tree.groups[0].child[0]));
-    CHECK(scene.instances[tree.instance(tree.groups[0].child[0])].name == "floor");
+    // Lamps apart from the others, and the floor, which reaches as far as all of these.
+    const auto [lamps, others] = tree.groups[0].child;
+    for (std::uint32_t m = 0; m < tree.members.size(); ++m)
+        CHECK((scene.instances[tree.members[m]].name.rfind("lamp", 0) == 0) == (m < tree.groups[lamps].count));
+    REQUIRE(!tree.is_group(tree.groups[others].child[0]));
+    CHECK(scene.instances[tree.instance(tree.groups[others].child[0])].name == "floor");
 
     const auto names = [&](const GroupTree& t) {
         std::vector<std::string> out;
