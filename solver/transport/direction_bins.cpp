@@ -23,6 +23,15 @@ constexpr std::size_t kLanes = 8;  // partial sums per loop: one AVX register of
 
 }  // namespace
 
+Arrival translated(const Vec3& sum, double strength, double over_distance, const Vec3& offset) {
+    const Vec3 u = normalised(sum);
+    if (!(over_distance > 0)) return {u};
+    const double d = strength / over_distance;
+    const Vec3 e = u * d - offset;
+    const double v = std::max(length(e), kNearestTranslation * d);
+    return {normalised(e), 1 / v, static_cast<float>(d * d / (v * v))};
+}
+
 ObjectTables::ObjectTables(const ObjectData& data, const DirectionGrid& grid)
     : stride((grid.size() + kLanes - 1) / kLanes * kLanes) {
     const std::size_t d_count = grid.size(), p_count = data.patches.size();
@@ -92,7 +101,7 @@ bool EndAreas::has_outside(const Node& node) const {
 }
 
 double EndAreas::visible_share(const Node& node, const Vec3& w, EndMode mode) const {
-    if (node.kind == NodeKind::Surface) return 1;
+    if (node.kind == NodeKind::Surface || node.group()) return 1;
     const Instance& instance = nodes_.scene().instances[node.instance];
     const ObjectData& data = instance.data();
     if (data.meta.convex || nodes_.instance(node.instance).planar) return 1;
@@ -124,77 +133,83 @@ TableError EndAreas::table_error(const Node& node, EndMode mode) const {
 
 template <int C>
 DirectionBins<C>::DirectionBins(const Nodes& nodes, const EndAreas& areas)
-    : nodes_(nodes), areas_(areas), states_(nodes.scene().instances.size()) {}
+    : nodes_(nodes), areas_(areas), states_(nodes.scene().instances.size()) {
+    reset();
+}
+
+template <int C>
+void DirectionBins<C>::reset() {
+    states_.assign(states_.size(), {});
+    for (auto& row : row_) row.assign(nodes_.bins_count(), kNoNode);
+    tasks_.clear();
+}
 
 template <int C>
 void DirectionBins<C>::use(std::uint32_t node, EndMode mode) {
     const Node& n = nodes_[node];
-    assert(n.kind == NodeKind::Bins);
-    State& state = states_[n.instance];
-    const InstanceNodes& in = nodes_.instance(n.instance);
+    assert(n.kind == NodeKind::Bins && !n.group());
     const auto m = static_cast<std::size_t>(mode);
-    if (state.row.empty()) {
-        state.row.assign(in.first_face - in.first_cluster, kNoNode);
-        for (std::uint32_t id = in.first_cluster; id < in.first_face; ++id) {
-            const bool terminal = std::binary_search(in.terminals.begin(), in.terminals.end(), id);
-            if (!terminal && nodes_[id].kind != NodeKind::Bins) continue;
-            state.row[id - in.first_cluster] = static_cast<std::uint32_t>(state.nodes.size());
-            state.nodes.push_back(id);
-        }
-        state.linked[0].assign(state.nodes.size(), 0);
-        state.linked[1].assign(state.nodes.size(), 0);
-    }
-    state.used[m] = true;
-    state.linked[m][state.row[node - in.first_cluster]] = 1;
+    if (row_[m][n.slot] != kNoNode) return;
+    row_[m][n.slot] = 0;  // allocate() knows it
+    states_[n.instance].face[m].nodes.push_back(node);
 }
 
 template <int C>
 void DirectionBins<C>::allocate() {
-    for (std::uint32_t i = 0; i < states_.size(); ++i) {
-        State& state = states_[i];
-        if (state.nodes.empty()) continue;
-        const Instance& instance = nodes_.scene().instances[i];
-        const DirectionGrid& grid = instance.object->archive.grid();
-        state.stride = areas_.tables(i).stride;
-        const double determinant = std::abs(instance.to_world.linear.determinant());
-        state.area_factor.assign(state.stride, 0);
-        state.world_direction.clear();
-        for (std::uint32_t k = 0; k < grid.size(); ++k) {
-            const Vec3 w = instance.to_world.vector(grid.direction(k));
-            state.world_direction.push_back(normalised(w));
-            state.area_factor[k] = static_cast<float>(determinant / length(w));
-        }
-        for (std::size_t m = 0; m < 2; ++m) {
-            if (!state.used[m]) continue;
-            state.intensity[m].assign(state.nodes.size() * C * state.stride, 0);
-            state.incoming[m].assign(state.nodes.size() * kIncoming * state.stride, 0);
-        }
+    for (std::uint32_t i = 0; i < states_.size(); ++i)
+        if (!states_[i].face[0].nodes.empty() || !states_[i].face[1].nodes.empty()) allocate(i);
+}
+
+template <int C>
+void DirectionBins<C>::allocate(std::uint32_t i) {
+    State& state = states_[i];
+    const Instance& instance = nodes_.scene().instances[i];
+    const InstanceNodes& in = nodes_.instance(i);
+    const DirectionGrid& grid = instance.object->archive.grid();
+    state.stride = areas_.tables(i).stride;
+    const double determinant = std::abs(instance.to_world.linear.determinant());
+    state.area_factor.assign(state.stride, 0);
+    for (std::uint32_t k = 0; k < grid.size(); ++k)
+        state.area_factor[k] = static_cast<float>(determinant / length(instance.to_world.vector(grid.direction(k))));
+    for (std::size_t m = 0; m < 2; ++m) {
+        Face& face = state.face[m];
+        std::sort(face.nodes.begin(), face.nodes.end());
+        for (std::uint32_t r = 0; r < face.nodes.size(); ++r) row_[m][nodes_[face.nodes[r]].slot] = r;
+        const auto nearest = [&](std::uint32_t id) {  // at the node or above it
+            for (; id != kNoNode && id >= in.first_cluster; id = nodes_[id].parent)
+                if (nodes_[id].kind == NodeKind::Bins && row_[m][nodes_[id].slot] != kNoNode)
+                    return row_[m][nodes_[id].slot];
+            return kNoNode;
+        };
+        for (const std::uint32_t id : face.nodes) face.above.push_back(nearest(nodes_[id].parent));
+        for (const std::uint32_t t : in.terminals) face.terminal.push_back(nearest(t));
+        face.intensity.assign(face.nodes.size() * C * state.stride, 0);
+        face.incoming.assign(face.nodes.size() * kIncoming * state.stride, 0);
     }
+    for (std::uint32_t t = 0; t < in.terminals.size(); ++t)
+        if (state.face[0].terminal[t] != kNoNode || state.face[1].terminal[t] != kNoNode) tasks_.push_back({i, t});
 }
 
 template <int C>
 void DirectionBins<C>::clear_incoming() {
     for (State& state : states_)
-        for (auto& plane : state.incoming) std::fill(plane.begin(), plane.end(), 0.0f);
+        for (Face& face : state.face) std::fill(face.incoming.begin(), face.incoming.end(), 0.0f);
 }
 
 template <int C>
-std::uint32_t DirectionBins<C>::row(const Node& node, std::uint32_t id) const {
-    return states_[node.instance].row[id - nodes_.instance(node.instance).first_cluster];
-}
-
-template <int C>
-void DirectionBins<C>::pull_instance(std::uint32_t i, const std::vector<float>& radiosity) {
+void DirectionBins<C>::pull_instance(std::uint32_t i, EndMode mode, const std::vector<float>& radiosity) {
     State& state = states_[i];
+    Face& face = state.face[static_cast<std::size_t>(mode)];
     const ObjectData& data = nodes_.scene().instances[i].data();
     const InstanceNodes& in = nodes_.instance(i);
     const ObjectTables& tables = areas_.tables(i);
     const std::size_t stride = state.stride;
-    for (std::size_t m = 0; m < 2; ++m) std::fill(state.intensity[m].begin(), state.intensity[m].end(), 0.0f);
+    std::fill(face.intensity.begin(), face.intensity.end(), 0.0f);
 
-    for (const std::uint32_t t : in.terminals) {
-        const Cluster& cluster = data.clusters[nodes_[t].index];
-        const std::size_t r = state.row[t - in.first_cluster];
+    for (std::size_t t = 0; t < in.terminals.size(); ++t) {
+        const std::size_t r = face.terminal[t];
+        if (r == kNoNode) continue;
+        const Cluster& cluster = data.clusters[nodes_[in.terminals[t]].index];
         for (std::uint32_t p = cluster.first_patch; p < cluster.first_patch + cluster.patch_count; ++p) {
             const Patch& patch = data.patches[p];
             // Mean radiosity of the patch, by area.
@@ -212,40 +227,33 @@ void DirectionBins<C>::pull_instance(std::uint32_t i, const std::vector<float>& 
             for (std::size_t c = 0; c < C; ++c) {
                 const float bc = b[c] / static_cast<float>(area) * static_cast<float>(std::numbers::inv_pi);
                 if (bc == 0) continue;
-                if (state.used[0]) {
-                    float* out = &state.intensity[0][(r * C + c) * stride];
+                float* out = &face.intensity[(r * C + c) * stride];
+                if (mode == EndMode::Inside)
                     for (std::size_t k = 0; k < stride; ++k) out[k] += bc * cosine[k];
-                }
-                if (state.used[1]) {
-                    float* out = &state.intensity[1][(r * C + c) * stride];
+                else
                     for (std::size_t k = 0; k < stride; ++k) out[k] += bc * cosine[k] * visible[k];
-                }
             }
         }
     }
-    for (std::size_t m = 0; m < 2; ++m) {
-        if (!state.used[m]) continue;
-        // Children have larger rows than their parents: a backward loop sums them up.
-        for (std::size_t r = state.nodes.size(); r-- > 1;) {
-            const Node& node = nodes_[state.nodes[r]];
-            const std::uint32_t parent = state.row[node.parent - in.first_cluster];
-            if (parent == kNoNode) continue;
-            const float* from = &state.intensity[m][r * C * stride];
-            float* to = &state.intensity[m][parent * C * stride];
-            for (std::size_t k = 0; k < C * stride; ++k) to[k] += from[k];
-        }
-        for (std::size_t r = 0; r < state.nodes.size(); ++r)
-            for (std::size_t c = 0; c < C; ++c) {
-                float* out = &state.intensity[m][(r * C + c) * stride];
-                for (std::size_t k = 0; k < stride; ++k) out[k] *= state.area_factor[k];
-            }
+    // Nodes above have smaller rows: a backward loop sums them up.
+    for (std::size_t r = face.nodes.size(); r-- > 0;) {
+        if (face.above[r] == kNoNode) continue;
+        const float* from = &face.intensity[r * C * stride];
+        float* to = &face.intensity[face.above[r] * C * stride];
+        for (std::size_t k = 0; k < C * stride; ++k) to[k] += from[k];
     }
+    for (std::size_t r = 0; r < face.nodes.size(); ++r)
+        for (std::size_t c = 0; c < C; ++c) {
+            float* out = &face.intensity[(r * C + c) * stride];
+            for (std::size_t k = 0; k < stride; ++k) out[k] *= state.area_factor[k];
+        }
 }
 
 template <int C>
 void DirectionBins<C>::pull(const std::vector<float>& radiosity) {
-    parallel_for(states_.size(), 1, [&](std::size_t i) {
-        if (!states_[i].nodes.empty()) pull_instance(static_cast<std::uint32_t>(i), radiosity);
+    parallel_for(2 * states_.size(), 1, [&](std::size_t k) {
+        if (!states_[k / 2].face[k % 2].nodes.empty())
+            pull_instance(static_cast<std::uint32_t>(k / 2), static_cast<EndMode>(k % 2), radiosity);
     });
 }
 
@@ -255,7 +263,8 @@ std::array<float, C> DirectionBins<C>::intensity(std::uint32_t id, EndMode mode,
     const State& state = states_[node.instance];
     const Instance& instance = nodes_.scene().instances[node.instance];
     const DirectionTaps taps = instance.object->archive.grid().taps(instance.to_local.vector(w));
-    const float* table = &state.intensity[static_cast<std::size_t>(mode)][row(node, id) * C * state.stride];
+    const Face& face = state.face[static_cast<std::size_t>(mode)];
+    const float* table = &face.intensity[row(mode, node) * C * state.stride];
     std::array<float, C> out{};
     for (std::size_t c = 0; c < C; ++c)
         for (std::size_t t = 0; t < 4; ++t) out[c] += taps.weight[t] * table[c * state.stride + taps.node[t]];
@@ -269,7 +278,8 @@ void DirectionBins<C>::splat(std::uint32_t id, EndMode mode, const Vec3& u, doub
     State& state = states_[node.instance];
     const Instance& instance = nodes_.scene().instances[node.instance];
     const DirectionTaps taps = instance.object->archive.grid().taps(instance.to_local.vector(u));
-    float* plane = &state.incoming[static_cast<std::size_t>(mode)][row(node, id) * kIncoming * state.stride];
+    Face& face = state.face[static_cast<std::size_t>(mode)];
+    float* plane = &face.incoming[row(mode, node) * kIncoming * state.stride];
     float strength = 0;
     for (std::size_t c = 0; c < C; ++c) strength += h[c];
     const std::array<float, 4> shared{static_cast<float>(u.x) * strength, static_cast<float>(u.y) * strength,
@@ -283,48 +293,36 @@ void DirectionBins<C>::splat(std::uint32_t id, EndMode mode, const Vec3& u, doub
 }
 
 template <int C>
-void DirectionBins<C>::push_terminal(std::uint32_t i, std::uint32_t terminal, EndMode mode,
+void DirectionBins<C>::push_terminal(std::uint32_t i, std::uint32_t t, EndMode mode,
                                      std::vector<float>& irradiance) const {
     const State& state = states_[i];
-    const auto m = static_cast<std::size_t>(mode);
+    const Face& face = state.face[static_cast<std::size_t>(mode)];
     const InstanceNodes& in = nodes_.instance(i);
+    const std::uint32_t terminal = in.terminals[t];
     const Instance& instance = nodes_.scene().instances[i];
     const DirectionGrid& grid = instance.object->archive.grid();
     const std::size_t stride = state.stride;
 
     // Planes of this terminal: H[C], then Hu[3].
     std::vector<float> sum((C + 3) * stride, 0.0f);
-    bool any = false;
-    for (std::uint32_t a = terminal; a != kNoNode; a = nodes_[a].parent) {
-        const std::uint32_t r = state.row[a - in.first_cluster];
-        if (r == kNoNode || !state.linked[m][r]) continue;
-        any = true;
-        const float* plane = &state.incoming[m][r * kIncoming * stride];
-        if (a == terminal) {
+    for (std::uint32_t r = face.terminal[t]; r != kNoNode; r = face.above[r]) {
+        const float* plane = &face.incoming[r * kIncoming * stride];
+        if (face.nodes[r] == terminal) {
             for (std::size_t k = 0; k < (C + 3) * stride; ++k) sum[k] += plane[k];
             continue;
         }
-        const Vec3 x = nodes_[terminal].centre - nodes_[a].centre;
+        const Vec3 x = nodes_[terminal].centre - nodes_[face.nodes[r]].centre;
         for (std::size_t k = 0; k < grid.size(); ++k) {
             float strength = 0;
             for (std::size_t c = 0; c < C; ++c) strength += plane[c * stride + k];
             if (!(strength > 0)) continue;
             const Vec3 mean{plane[C * stride + k], plane[(C + 1) * stride + k], plane[(C + 2) * stride + k]};
-            const float over_distance = plane[(C + 3) * stride + k];
-            const Vec3 u = normalised(mean);
-            Vec3 direction = u;
-            float gain = 1;
-            if (over_distance > 0) {  // 0: light from infinity
-                const double d = static_cast<double>(strength) / static_cast<double>(over_distance);
-                const Vec3 e = u * d - x;
-                const double v = std::max(length(e), kNearestTranslation * d);
-                direction = normalised(e);
-                gain = static_cast<float>(d * d / (v * v));
-            }
+            const Arrival at_terminal = translated(mean, strength, plane[(C + 3) * stride + k], x);
+            const Vec3& direction = at_terminal.direction;
             const DirectionTaps taps = grid.taps(instance.to_local.vector(direction));
-            for (std::size_t t = 0; t < 4; ++t) {
-                const float weight = taps.weight[t] * gain;
-                float* at = &sum[taps.node[t]];
+            for (std::size_t tap = 0; tap < 4; ++tap) {
+                const float weight = taps.weight[tap] * at_terminal.gain;
+                float* at = &sum[taps.node[tap]];
                 for (std::size_t c = 0; c < C; ++c) at[c * stride] += weight * plane[c * stride + k];
                 const float s = weight * strength;
                 at[C * stride] += s * static_cast<float>(direction.x);
@@ -333,7 +331,6 @@ void DirectionBins<C>::push_terminal(std::uint32_t i, std::uint32_t terminal, En
             }
         }
     }
-    if (!any) return;
     for (std::size_t k = 0; k < stride; ++k) {  // Hu -> unit mean direction
         const Vec3 u = normalised({sum[C * stride + k], sum[(C + 1) * stride + k], sum[(C + 2) * stride + k]});
         sum[C * stride + k] = static_cast<float>(u.x);
@@ -374,21 +371,19 @@ void DirectionBins<C>::push_terminal(std::uint32_t i, std::uint32_t terminal, En
 
 template <int C>
 void DirectionBins<C>::push(std::vector<float>& irradiance) const {
-    for (std::uint32_t i = 0; i < states_.size(); ++i)
+    parallel_for(tasks_.size(), 1, [&](std::size_t k) {
+        const auto [i, t] = tasks_[k];
         for (std::size_t m = 0; m < 2; ++m)
-            if (states_[i].used[m]) {
-                const auto& terminals = nodes_.instance(i).terminals;
-                parallel_for(terminals.size(), 1, [&](std::size_t t) {
-                    push_terminal(i, terminals[t], static_cast<EndMode>(m), irradiance);
-                });
-            }
+            if (states_[i].face[m].terminal[t] != kNoNode)
+                push_terminal(i, t, static_cast<EndMode>(m), irradiance);
+    });
 }
 
 template <int C>
 std::uint64_t DirectionBins<C>::bytes() const {
     std::uint64_t n = 0;
     for (const State& s : states_)
-        for (std::size_t m = 0; m < 2; ++m) n += (s.intensity[m].size() + s.incoming[m].size()) * sizeof(float);
+        for (const Face& face : s.face) n += (face.intensity.size() + face.incoming.size()) * sizeof(float);
     return n;
 }
 

@@ -18,6 +18,17 @@ namespace rro {
 /// Mean: no directions at all, the end has one radiosity and all its faces receive alike.
 enum class EndMode : std::uint8_t { Inside = 0, Outside = 1, Mean = 2 };
 
+/// Light of one direction bin as it arrives at another place.
+struct Arrival {
+    Vec3 direction;               // unit, world, towards the source
+    double inverse_distance = 0;  // 0: from infinity
+    float gain = 1;               // of its perpendicular irradiance
+};
+
+/// Takes light with this sum of strength times direction and of strength over distance to the place at `offset` from the
+/// bins' centre.
+Arrival translated(const Vec3& sum, double strength, double over_distance, const Vec3& offset);
+
 /// Tables of one object that all its instances share. Immutable.
 struct ObjectTables {
     std::uint32_t stride = 0;            // D rounded up to 8, so that loops need no remainder
@@ -43,14 +54,14 @@ class EndAreas {
 
     const ObjectTables& tables(std::uint32_t instance) const { return *of_instance_[instance]; }
 
-    /// Share of a node's projected area towards w that is seen: 1 for surfaces; by patch visibility or whole-object area outside; by intrinsic
+    /// Share of a node's projected area towards w that is seen: 1 for surfaces and groups; by patch visibility or whole-object area outside; by intrinsic
     /// area of Bins nodes inside. In [0, 1] but for noise.
     double visible_share(const Node& node, const Vec3& w, EndMode mode) const;
 
     /// As the archive measured it, off the grid.
     TableError table_error(const Node& node, EndMode mode) const;
 
-    /// Does the archive hold what an Outside end at this node needs?
+    /// Does the archive hold what an Outside end at this node needs? Groups need nothing of their own.
     bool has_outside(const Node& node) const;
 
   private:
@@ -66,14 +77,14 @@ class DirectionBins {
     DirectionBins(const Nodes& nodes, const EndAreas& areas);
 
     /// Forgets all ends and their light.
-    void reset() { states_.assign(states_.size(), {}); }
-    /// Marks a node as the end of a link; storage exists only for instances that have such ends.
+    void reset();
+    /// Marks a node as the end of a link; storage exists only for such nodes.
     void use(std::uint32_t node, EndMode mode);
     /// Call once after all use().
     void allocate();
     void clear_incoming();
 
-    /// radiosity: [nodes * C]. Fills the intensities of every used instance.
+    /// radiosity: [nodes * C]. Fills the intensities of every used node.
     void pull(const std::vector<float>& radiosity);
 
     /// Intensity of a Bins node towards w (unit, world), W/sr per channel.
@@ -88,26 +99,33 @@ class DirectionBins {
     std::uint64_t bytes() const;
 
   private:
-    // Per node and mode: C planes of intensity; and incoming planes H[C], Hu[3], H/d[1].
+    // Per used node and mode: C planes of intensity; and incoming planes H[C], Hu[3], H/d[1].
     static constexpr int kIncoming = C + 4;
+    struct Face {                            // to the world: one of the two modes
+        std::vector<std::uint32_t> nodes;    // used ones, ascending; their rows are numbered alike
+        std::vector<std::uint32_t> above;    // [rows] row of the nearest used node above, or kNoNode
+        std::vector<std::uint32_t> terminal; // [terminals] row of the nearest used node above or at it, or kNoNode
+        std::vector<float> intensity;        // [rows * C * stride]
+        std::vector<float> incoming;         // [rows * kIncoming * stride]
+    };
     struct State {
-        bool used[2] = {false, false};
         std::uint32_t stride = 0;
-        std::vector<std::uint32_t> nodes;       // Bins nodes and terminals, ascending
-        std::vector<std::uint32_t> row;         // node - first_cluster -> row, or kNoNode
-        std::vector<std::uint8_t> linked[2];    // [rows] has incoming links
-        std::vector<float> intensity[2];        // [rows * C * stride]
-        std::vector<float> incoming[2];         // [rows * kIncoming * stride]
-        std::vector<Vec3> world_direction;      // [D] unit
+        Face face[2];
         std::vector<float> area_factor;         // [stride] world / local projected area
     };
-    std::uint32_t row(const Node& node, std::uint32_t id) const;
-    void pull_instance(std::uint32_t i, const std::vector<float>& radiosity);
-    void push_terminal(std::uint32_t i, std::uint32_t terminal, EndMode mode, std::vector<float>& irradiance) const;
+    struct Task {
+        std::uint32_t instance, terminal;
+    };
+    std::uint32_t row(EndMode mode, const Node& bins) const { return row_[static_cast<std::size_t>(mode)][bins.slot]; }
+    void allocate(std::uint32_t i);
+    void pull_instance(std::uint32_t i, EndMode mode, const std::vector<float>& radiosity);
+    void push_terminal(std::uint32_t i, std::uint32_t t, EndMode mode, std::vector<float>& irradiance) const;
 
     const Nodes& nodes_;
     const EndAreas& areas_;
     std::vector<State> states_;  // per instance
+    std::vector<std::uint32_t> row_[2];  // per mode: [bins slots] row within the instance's face, or kNoNode
+    std::vector<Task> tasks_;    // terminals with used nodes above or at them; numbers within the instance
 };
 
 }  // namespace rro

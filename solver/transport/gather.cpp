@@ -17,14 +17,6 @@ float component(const Rgb& rgb, std::size_t c) {
     return c == 0 ? rgb.x : c == 1 ? rgb.y : rgb.z;  // grey scenes carry equal components
 }
 
-// Where the irradiance of a flat node comes from: the source, or the normal where the source stands so low that a small
-// tilt of a face would change its share wildly.
-Vec3 arrival(const Node& flat, const Vec3& u) {
-    constexpr double kLowest = 0.15;
-    const Vec3 n = flat.normal();
-    return dot(n, u) >= kLowest ? u : n;
-}
-
 // Change of irradiance over a flat receiver's positions, per unit of the light that arrives from u at distance d, 1/m:
 // that of the inverse square, of the receiver's cosine and, where the source is flat, of the source's cosine.
 Vec3 slope(const Node& receiver, const Node& source, const Vec3& u, double d) {
@@ -57,7 +49,8 @@ bool scalar_half(const Node& receiver, EndMode receiver_mode, const Node& source
 }  // namespace
 
 template <int C>
-LightField<C>::LightField(const Nodes& nodes, const EndAreas& areas) : nodes_(nodes), areas_(areas), bins_(nodes, areas) {
+LightField<C>::LightField(const Nodes& nodes, const EndAreas& areas)
+    : nodes_(nodes), areas_(areas), bins_(nodes, areas), groups_(nodes, areas) {
     grow();
 }
 
@@ -85,8 +78,9 @@ void LightField<C>::grow() {
         for (std::size_t c = 0; c < C; ++c)
             radiosity_[id * C + c] = n.depth > 0 ? radiosity_[n.parent * C + c] : exitance(static_cast<std::uint32_t>(id), c);
     }
-    if (before == 0)
-        for (std::uint32_t i = 0; i < nodes_.scene().instances.size(); ++i) pull_instance(i);
+    if (before > 0) return;
+    for (std::uint32_t i = 0; i < nodes_.scene().instances.size(); ++i) pull_instance(i);
+    pull_groups();
 }
 
 template <int C>
@@ -97,11 +91,13 @@ void LightField<C>::extinguish() {
         });
         pull_instance(i);
     }
+    pull_groups();
 }
 
 template <int C>
 void LightField<C>::set_links(const std::vector<Link>& links) {
     bins_.reset();
+    groups_.reset();
     scalar_first_.assign(nodes_.size() + 1, 0);
     directed_first_.assign(nodes_.size() + 1, 0);
     const auto count = [&](std::uint32_t receiver, EndMode receiver_mode, std::uint32_t source, EndMode source_mode) {
@@ -112,9 +108,14 @@ void LightField<C>::set_links(const std::vector<Link>& links) {
         if (l.base_a == 0 && l.base_b == 0) continue;
         count(l.a, l.mode_a, l.b, l.mode_b);
         count(l.b, l.mode_b, l.a, l.mode_a);
-        if (nodes_[l.a].kind == NodeKind::Bins && l.mode_a != EndMode::Mean) bins_.use(l.a, l.mode_a);
-        if (nodes_[l.b].kind == NodeKind::Bins && l.mode_b != EndMode::Mean) bins_.use(l.b, l.mode_b);
+        const auto use = [&](std::uint32_t id, EndMode mode) {
+            if (nodes_[id].group()) groups_.use(id);
+            else if (nodes_[id].kind == NodeKind::Bins && mode != EndMode::Mean) bins_.use(id, mode);
+        };
+        use(l.a, l.mode_a);
+        use(l.b, l.mode_b);
     }
+    groups_.allocate(bins_);
     bins_.allocate();
     for (std::size_t n = 0; n < nodes_.size(); ++n) {
         scalar_first_[n + 1] += scalar_first_[n];
@@ -150,6 +151,7 @@ void LightField<C>::set_links(const std::vector<Link>& links) {
 
 template <int C>
 std::array<float, C> LightField<C>::source_value(const DirectedLink& link) const {
+    if (nodes_[link.source].group()) return groups_.intensity(link.source, -to_double(link.u));
     if (link.source_mode != EndMode::Mean && nodes_[link.source].kind == NodeKind::Bins)
         return bins_.intensity(link.source, link.source_mode, -to_double(link.u));
     std::array<float, C> out;
@@ -195,13 +197,16 @@ void LightField<C>::gather_surfaces() {
 template <int C>
 void LightField<C>::gather_bins() {
     bins_.clear_incoming();
-    parallel_for(nodes_.size(), kGrain, [&](std::size_t id) {
-        if (nodes_[static_cast<std::uint32_t>(id)].kind != NodeKind::Bins) return;
+    groups_.clear_incoming();
+    parallel_for(nodes_.size(), kGrain, [&](std::size_t n) {
+        const auto id = static_cast<std::uint32_t>(n);
+        if (nodes_[id].kind != NodeKind::Bins) return;
         for (std::uint32_t k = directed_first_[id]; k < directed_first_[id + 1]; ++k) {
             const DirectedLink& link = directed_[k];
             auto h = source_value(link);
             for (float& x : h) x *= link.gain;
-            bins_.splat(static_cast<std::uint32_t>(id), link.receiver_mode, to_double(link.u), double(link.inverse_distance), h);
+            if (nodes_[id].group()) groups_.splat(id, to_double(link.u), double(link.inverse_distance), h);
+            else bins_.splat(id, link.receiver_mode, to_double(link.u), double(link.inverse_distance), h);
         }
     });
 }
@@ -280,6 +285,18 @@ void LightField<C>::pull_instance(std::uint32_t i) {
 }
 
 template <int C>
+void LightField<C>::pull_groups() {
+    for (std::uint32_t g = nodes_.group_count(); g-- > 0;) {
+        const Node &n = nodes_[g], &x = nodes_[n.first_child], &y = nodes_[n.second_child];
+        for (std::size_t c = 0; c < C; ++c) {
+            const double sum = x.area * double(radiosity_[n.first_child * C + c]) +
+                               y.area * double(radiosity_[n.second_child * C + c]);
+            radiosity_[g * C + c] = static_cast<float>(n.area > 0 ? sum / n.area : 0);
+        }
+    }
+}
+
+template <int C>
 template <class F>
 void LightField<C>::for_each_leaf(std::uint32_t i, const F& f) const {
     const InstanceNodes& in = nodes_.instance(i);
@@ -293,8 +310,10 @@ void LightField<C>::for_each_leaf(std::uint32_t i, const F& f) const {
 template <int C>
 void LightField<C>::transport() {
     bins_.pull(radiosity_);
+    groups_.pull(bins_, radiosity_);
     gather_surfaces();
     gather_bins();
+    groups_.push(bins_, vectors_);
     bins_.push(irradiance_);
     parallel_for(nodes_.scene().instances.size(), 1, [&](std::size_t i) { push_instance(static_cast<std::uint32_t>(i)); });
 }
@@ -341,6 +360,7 @@ double LightField<C>::sweep() {
         });
         pull_instance(i);
     });
+    pull_groups();
     double sum = 0, total = 0;
     for (std::size_t i = 0; i < instances; ++i) sum += change[i], total += area[i];
     return total > 0 ? std::sqrt(sum / (total * C)) : 0.0;
@@ -415,7 +435,7 @@ void LightField<C>::fill(Guide& guide) const {
 
 template <int C>
 std::uint64_t LightField<C>::bytes() const {
-    return scalar_.size() * sizeof(ScalarLink) + directed_.size() * sizeof(DirectedLink) + bins_.bytes();
+    return scalar_.size() * sizeof(ScalarLink) + directed_.size() * sizeof(DirectedLink) + bins_.bytes() + groups_.bytes();
 }
 
 bool is_closed_shell(const Scene& scene) {

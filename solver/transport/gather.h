@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "solver/transport/direction_bins.h"
+#include "solver/transport/group_bins.h"
 #include "solver/transport/link.h"
 
 namespace rro {
@@ -64,6 +65,7 @@ class LightField {
     void gather_bins();
     void push_instance(std::uint32_t i);
     void pull_instance(std::uint32_t i);
+    void pull_groups();  // after all instances
     bool leaf(std::uint32_t surface) const { return nodes_[surface].child_count == 0; }
     template <class F>
     void for_each_leaf(std::uint32_t i, const F& f) const;
@@ -71,6 +73,7 @@ class LightField {
     const Nodes& nodes_;
     const EndAreas& areas_;
     DirectionBins<C> bins_;
+    GroupBins<C> groups_;
     std::vector<float> radiosity_, irradiance_;      // [nodes * C]
     std::vector<float> row_scale_;                   // [nodes], leaves of closed scenes; else empty
     std::vector<float> vectors_;                     // [flat slots * 6 * C] irradiance vectors, then gradients of irradiance

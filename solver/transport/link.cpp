@@ -45,7 +45,7 @@ constexpr double kWithinFace = 0.2;
 // The same for the edge of a shadow.
 constexpr double kShadowWithinFace = 0.12;
 // A pair whose whole light would do this part of a link's harm is taken as it is.
-constexpr double kNegligible = 0.05;
+constexpr double kNegligible = 0.25;
 // Tables that do this part of a link's harm are good enough; where they are not, rays find what they would have told.
 constexpr double kAffordable = 0.5;
 // What rays may leave undecided, as a part of a link's harm.
@@ -85,12 +85,14 @@ LinkBuilder::Projection LinkBuilder::projection(const Node& n, const Vec3& w, do
     return {n.area * mean, 0.5 * (mean - std::min(plain, mean)) / mean};
 }
 
+double harm_to_part(const Guide& guide, const Nodes& nodes, std::uint32_t to, double area, double error) {
+    const double rho = double(guide.reflectance[to]), others = kAgreement * kAgreement * double(guide.error[to]);
+    return area * rho * rho * error * (error + others) / guide.limit(nodes[to].instance);
+}
+
 double harm(const Guide& guide, const Nodes& nodes, std::uint32_t to, std::uint32_t from, double exchange) {
-    const double area = nodes[to].area, rho = double(guide.reflectance[to]);
-    if (!(area > 0)) return 0;
-    const double e = double(guide.radiosity[from]) * exchange / area;
-    const double others = kAgreement * kAgreement * double(guide.error[to]);
-    return area * rho * rho * e * (e + others) / (guide.share[nodes[to].instance] * guide.reflected);
+    const double area = nodes[to].area;
+    return area > 0 ? harm_to_part(guide, nodes, to, area, double(guide.radiosity[from]) * exchange / area) : 0.0;
 }
 
 LinkBuilder::LinkBuilder(const Nodes& nodes, const EndAreas& areas, const SceneRays& rays,
@@ -102,6 +104,22 @@ LinkBuilder::LinkBuilder(const Nodes& nodes, const EndAreas& areas, const SceneR
         area += nodes[nodes.root(i)].area;
     }
     smallest_area_ = kSmallestElementShare * area;
+    for (const Group& group : nodes.groups().groups) {
+        std::uint64_t key = 0;  // a sum, so that the order of the members does not matter
+        for (std::uint32_t m = group.first; m < group.first + group.count; ++m)
+            key += mix64(instance_key_[nodes.groups().members[m]]);
+        group_key_.push_back(mix64(key));
+    }
+    // Members' tables err independently of one another.
+    std::vector<double> square(nodes.group_count(), 0);
+    for (std::uint32_t g = nodes.group_count(); g-- > 0;) {
+        for (const std::uint32_t child : {nodes[g].first_child, nodes[g].second_child}) {
+            const Node& n = nodes[child];
+            square[g] += n.group() ? square[child] : std::pow(areas_.table_error(n, EndMode::Outside).sent * n.area, 2);
+        }
+    }
+    for (std::uint32_t g = 0; g < nodes.group_count(); ++g)
+        group_table_error_.push_back(nodes[g].area > 0 ? std::sqrt(square[g]) / nodes[g].area : 0.0);
 }
 
 bool LinkBuilder::divisible(const Node& n) const {
@@ -138,6 +156,7 @@ bool LinkBuilder::may_see(const Node& from, const Node& to) const {
 bool LinkBuilder::splits_self(std::uint32_t id, const Guide& guide) const {
     const Node& n = nodes_[id];
     if (n.kind == NodeKind::Surface) return false;
+    if (n.group()) return true;  // one lamp can be bright where the group's mean is dark
     if (exact_tables(n)) return false;
     // Faces within a cone of half angle c around one normal meet at angles of at most 2 c, so they fill at most
     // (1 - cos 2c) / 2 of one another's hemisphere.
@@ -147,6 +166,7 @@ bool LinkBuilder::splits_self(std::uint32_t id, const Guide& guide) const {
 }
 
 bool LinkBuilder::exact_tables(const Node& n) const {
+    if (n.group()) return false;
     return nodes_.scene().instances[n.instance].data().meta.convex || nodes_.instance(n.instance).planar;
 }
 
@@ -380,14 +400,17 @@ LinkBuilder::End LinkBuilder::end_of(std::uint32_t id, std::uint32_t other, doub
     End end;
     end.projection = projection.area;
     end.horizon = projection.error;
-    if (n.instance != o.instance && areas_.has_outside(n) &&
+    if (n.group()) {
+        end.mode = EndMode::Outside;
+    } else if (n.instance != o.instance && areas_.has_outside(n) &&
         !nodes_.scene().instances[n.instance].bounds.overlaps(o.box)) {
         const TableError e = areas_.table_error(n, EndMode::Outside);
         const bool affordable = exact_tables(n) || std::max(harm(guide, nodes_, id, other, exchange * e.received),
                                                             harm(guide, nodes_, other, id, exchange * e.sent)) <= kAffordable;
         if (affordable) end.mode = EndMode::Outside;
     }
-    const TableError tables = areas_.table_error(n, end.mode);
+    const TableError tables = n.group() ? TableError{group_table_error_[n.index], group_table_error_[n.index]}
+                                        : areas_.table_error(n, end.mode);
     if (n.kind == NodeKind::Bins) {
         end.received = std::hypot(kSolidReceiver * r, tables.received);
         end.sent = std::hypot(kSolidSource * r, tables.sent);
@@ -399,6 +422,16 @@ LinkBuilder::End LinkBuilder::end_of(std::uint32_t id, std::uint32_t other, doub
     return end;
 }
 
+// A small source may light a part of a large receiver, and each part by a source of its own: what matters is the part
+// that lies nearest, about as large as the source or as the gap is wide, not the mean over the receiver.
+double LinkBuilder::most_harm(std::uint32_t to, std::uint32_t from, double gap, const Guide& guide) const {
+    const Node &nt = nodes_[to], &nf = nodes_[from];
+    const double spread = std::numbers::pi * gap * gap;
+    const double share = std::min(largest_share(nt, nf), nf.area / std::max(spread, 1e-300));
+    const double part = std::min(nt.area, std::max(nf.area, spread));
+    return harm_to_part(guide, nodes_, to, part, double(guide.radiosity[from]) * share);
+}
+
 Verdict LinkBuilder::judge_far(std::uint32_t a, std::uint32_t b, const Guide& guide, double own) const {
     const Node &na = nodes_[a], &nb = nodes_[b];
     if (na.kind == NodeKind::Cluster) return split(a, b, true);
@@ -408,9 +441,7 @@ Verdict LinkBuilder::judge_far(std::uint32_t a, std::uint32_t b, const Guide& gu
     const double distance = length(between), ra = double(na.radius), rb = double(nb.radius);
     Offer o{a, b};
     const double gap = std::max(0.0, distance - ra - rb);
-    const double biggest = std::min(largest_share(na, nb) * std::min(na.area, nb.area),
-                                    na.area * nb.area / (std::numbers::pi * std::max(gap * gap, 1e-300)));
-    const bool negligible = harm_of(guide, o, biggest, biggest) <= kNegligible;
+    const bool negligible = std::max(most_harm(a, b, gap, guide), most_harm(b, a, gap, guide)) <= kNegligible;
     const double factor_a = na.kind == NodeKind::Bins ? options_.far_factor : kNearestFlat;
     const double factor_b = nb.kind == NodeKind::Bins ? options_.far_factor : kNearestFlat;
     if (!negligible && (na.box.overlaps(nb.box) || distance < std::max(factor_a * ra, factor_b * rb)))
@@ -483,7 +514,7 @@ Verdict LinkBuilder::settle(const Offer& o, const Guide& guide) const {
     // Noise of different links is independent: it adds up by its squares alone.
     const auto loud = [&](std::uint32_t to, std::uint32_t from) {
         const double rho = double(guide.reflectance[to]), e = double(guide.radiosity[from]) * o.exchange;
-        return rho * rho * e * e / (std::max(nodes_[to].area, 1e-300) * guide.share[nodes_[to].instance] * guide.reflected);
+        return rho * rho * e * e / (std::max(nodes_[to].area, 1e-300) * guide.limit(nodes_[to].instance));
     };
     const double shadow_a = o.exchange * shadow_share(na), shadow_b = o.exchange * shadow_share(nb);
     const double edge = o.negligible ? 0.0 : harm_of(guide, o, shadow_a, shadow_b);

@@ -42,6 +42,12 @@ struct Guide {
     double reflected = 0;            // sum of A R^2 over the scene, W^2/m^2
     std::vector<float> error;        // [nodes] W/m^2, sum of the links' errors of irradiance, agreeing or not
     std::vector<double> share;       // [instances] of `reflected` that one link may add to the squared error
+    double scene_share = 0;          // the same for groups of instances
+
+    /// What one link may add to the squared error at a node of this instance (kNoNode: a group).
+    double limit(std::uint32_t instance) const {
+        return reflected * (instance < share.size() ? share[instance] : scene_share);
+    }
 };
 
 /// What an error of `exchange` m^2 in the light that `to` receives from `from` adds to the squared error of the scene,
@@ -50,6 +56,9 @@ struct Guide {
 /// An error e in a node's irradiance adds A rho^2 e^2 by itself. Besides, errors of links at one node agree in sign to
 /// some degree (neighbours err alike, and lie in the same shadow), so it adds A rho^2 e times part of all the others'.
 double harm(const Guide& guide, const Nodes& nodes, std::uint32_t to, std::uint32_t from, double exchange);
+
+/// The same for an error of irradiance in W/m^2 over a part of `to` of this area.
+double harm_to_part(const Guide& guide, const Nodes& nodes, std::uint32_t to, double area, double error);
 
 /// How far errors of links at one node agree in sign.
 inline constexpr double kAgreement = 0.25;
@@ -83,6 +92,8 @@ class LinkBuilder {
     // own: what the ends' common object leaves, where that is known; else negative, and rays test it.
     Verdict judge_near(std::uint32_t a, std::uint32_t b, const Guide& guide, double own) const;
     Verdict judge_far(std::uint32_t a, std::uint32_t b, const Guide& guide, double own) const;
+    /// The most harm that light from `from` may do to a part of `to` over this gap.
+    double most_harm(std::uint32_t to, std::uint32_t from, double gap, const Guide& guide) const;
     Verdict split(std::uint32_t a, std::uint32_t b, bool prefer_a) const;
     bool may_see(const Node& from, const Node& to) const;
     /// Does the object hide nothing of itself, so that its visibility is 1 wherever it faces?
@@ -94,6 +105,8 @@ class LinkBuilder {
     };
     Quadrature by_points(std::uint32_t a, std::uint32_t b) const;
 
+    /// Names a node for the random numbers of its pairs, wherever its instance stands in the manifest.
+    std::uint64_t sample_key(std::uint32_t node) const;
     /// A surface's share in the error that a shadow edge across it makes.
     double shadow_share(const Node& n) const;
 
@@ -141,6 +154,8 @@ class LinkBuilder {
     const SceneRays& rays_;
     const TransportOptions& options_;
     std::vector<std::uint64_t> instance_key_;  // from the name
+    std::vector<std::uint64_t> group_key_;     // from its members' names
+    std::vector<double> group_table_error_;    // relative, of the projected area
     double smallest_area_ = 0;                 // of an element, m^2
 };
 

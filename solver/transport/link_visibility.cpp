@@ -9,6 +9,9 @@ namespace rro {
 
 namespace {
 
+// Shafts with more candidates than this are not listed.
+constexpr std::size_t kMostCandidates = 64;
+
 constexpr std::uint32_t kFirstRays = 4, kMostRays = 256, kAgreeingRays = 16;
 
 // Where all rays agree there is mostly no edge at all: what Laplace's rule allows for it counts by this part.
@@ -22,40 +25,69 @@ constexpr double kSobolGain = 0.6;
 // A point on an end of a link, on a face that looks towards `towards` where there is one.
 struct EndPoint {
     Vec3 position, normal;
-    std::uint32_t triangle = kNoTriangle;
+    SceneTriangle on;
 };
+
+// The member of a running sum that a share of the sum in [range[0], range[1]) falls to, and the share left within it.
+struct Drawn {
+    std::uint32_t member;
+    double rest;
+};
+
+Drawn draw(const std::vector<double>& sum, const std::array<std::uint32_t, 2>& range, double u) {
+    const double target = sum[range[0]] + u * (sum[range[1]] - sum[range[0]]);
+    auto m = static_cast<std::uint32_t>(std::upper_bound(sum.begin() + range[0] + 1, sum.begin() + range[1], target) -
+                                        sum.begin() - 1);
+    m = std::min(m, range[1] - 1);
+    const double width = sum[m + 1] - sum[m];
+    return {m, width > 0 ? std::clamp((target - sum[m]) / width, 0.0, 1.0) : 0.5};
+}
 
 EndPoint end_point(const Nodes& nodes, const EndAreas& areas, std::uint32_t id, const Vec3& towards, double u, double v) {
     const Node& node = nodes[id];
-    const Instance& instance = nodes.scene().instances[node.instance];
-    const auto on = [&](const TriangleCorners& c, const Vec3& normal, std::uint32_t triangle, double s) {
+    const auto on = [&](std::uint32_t surface, double s) {
+        const Node& n = nodes[surface];
         const auto b = square_to_triangle(s, v);
-        return EndPoint{triangle_point(c, b[0], b[1]), normal, triangle};
+        return EndPoint{triangle_point(nodes.corners(surface), b[0], b[1]), n.normal(), {n.instance, nodes.triangle_of(n)}};
     };
-    if (node.kind == NodeKind::Surface) return on(nodes.corners(id), node.normal(), nodes.triangle_of(node), u);
+    if (node.kind == NodeKind::Surface) return on(id, u);
 
-    const auto range = nodes.faces(node);
-    const std::vector<double>& sum = areas.tables(node.instance).face_area_sum;
-    const std::uint32_t first_face = nodes.instance(node.instance).first_face;
     constexpr int kTries = 8;  // a closed body shows half its faces; after eight draws one in 256 samples looks away
     constexpr double kGolden = 0.6180339887498949;
     for (int attempt = 0;; ++attempt) {
-        const double target = sum[range[0]] + u * (sum[range[1]] - sum[range[0]]);
-        auto f = static_cast<std::uint32_t>(std::upper_bound(sum.begin() + range[0] + 1, sum.begin() + range[1], target) -
-                                            sum.begin() - 1);
-        f = std::min(f, range[1] - 1);
-        const Node& face = nodes[first_face + f];
-        const Vec3 normal = face.normal();
-        if (attempt == kTries || dot(normal, towards - face.centre) > 0) {
-            const double width = sum[f + 1] - sum[f];
-            const double s = width > 0 ? std::clamp((target - sum[f]) / width, 0.0, 1.0) : 0.5;
-            return on(nodes.corners(first_face + f), normal, instance.data().faces[f].triangle(), s);
+        std::uint32_t instance = node.instance;
+        std::array<std::uint32_t, 2> range;
+        double s = u;
+        if (node.group()) {
+            const Group& group = nodes.groups().groups[id];
+            const Drawn member = draw(nodes.member_area_sum(), {group.first, group.first + group.count}, u);
+            instance = nodes.groups().members[member.member];
+            range = nodes.faces(nodes[nodes.root(instance)]);
+            s = member.rest;
+        } else {
+            range = nodes.faces(node);
         }
+        const Drawn face = draw(areas.tables(instance).face_area_sum, range, s);
+        const std::uint32_t surface = nodes.instance(instance).first_face + face.member;
+        if (attempt == kTries || dot(nodes[surface].normal(), towards - nodes[surface].centre) > 0)
+            return on(surface, face.rest);
         u = u + kGolden < 1 ? u + kGolden : u + kGolden - 1;
     }
 }
 
 }  // namespace
+
+std::uint64_t LinkBuilder::sample_key(std::uint32_t id) const {
+    const Node& n = nodes_[id];
+    if (n.group()) return group_key_[id];
+    if (n.kind != NodeKind::Surface || n.depth == 0)
+        return mix64(instance_key_[n.instance] ^ (std::uint64_t(n.kind) << 40 | n.index));
+    std::uint64_t k = mix64(instance_key_[n.instance] ^ nodes_.face_of(n));
+    for (const auto& corner : nodes_.element_corners(id))
+        k = mix64(k ^ (std::uint64_t(std::bit_cast<std::uint32_t>(corner[0])) << 32 |
+                       std::bit_cast<std::uint32_t>(corner[1])));
+    return k;
+}
 
 LinkBuilder::Transmittance LinkBuilder::transmittance(const Offer& o, double noise, double edge) const {
     auto [a, b, mode_a, mode_b] = std::tuple(o.a, o.b, o.mode_a, o.mode_b);
@@ -66,38 +98,34 @@ LinkBuilder::Transmittance LinkBuilder::transmittance(const Offer& o, double noi
         t.spread = own * (1 - own);
     }
     if (options_.visibility == TransportOptions::Visibility::None) return t;
-    const auto key = [&](std::uint32_t id) {
-        const Node& n = nodes_[id];
-        std::uint64_t k = mix64(instance_key_[n.instance] ^ (std::uint64_t(n.kind) << 40 | n.index));
-        if (n.kind == NodeKind::Surface && n.depth > 0) {
-            k = mix64(instance_key_[n.instance] ^ nodes_.face_of(n));
-            for (const auto& corner : nodes_.element_corners(id))
-                k = mix64(k ^ (std::uint64_t(std::bit_cast<std::uint32_t>(corner[0])) << 32 |
-                               std::bit_cast<std::uint32_t>(corner[1])));
-        }
-        return k;
-    };
     // The pair is sampled the same way whichever end is named first and wherever the instance stands in the manifest.
-    std::uint64_t key_a = key(a), key_b = key(b);
+    std::uint64_t key_a = sample_key(a), key_b = sample_key(b);
     if (key_a > key_b) {
         std::swap(a, b);
         std::swap(mode_a, mode_b);
         std::swap(key_a, key_b);
     }
     const Node &na = nodes_[a], &nb = nodes_[b];
-    thread_local Candidates candidates;
-    rays_.candidates(na.box, nb.box, candidates);
-    const auto harmless = [&](std::uint32_t i) {
-        const auto cleared = [&](const Node& n, EndMode mode) {
-            // An end's own object is in its table, or known, or cannot come between the end and anything in front of it.
-            if (n.instance == i && own >= 0) return true;
-            return n.instance == i && (mode == EndMode::Outside || nodes_.instance(i).planar ||
-                                       (nodes_.scene().instances[i].data().meta.convex && n.kind == NodeKind::Surface));
-        };
-        return cleared(na, mode_a) || cleared(nb, mode_b);
+    // An end's own object is in its table, or known, or cannot come between the end and anything in front of it.
+    const auto cleared = [&](const Node& n, EndMode mode, std::uint32_t i) {
+        return own >= 0 || mode == EndMode::Outside || nodes_.instance(i).planar ||
+               (nodes_.scene().instances[i].data().meta.convex && n.kind == NodeKind::Surface);
     };
-    std::erase_if(candidates, harmless);
-    if (candidates.empty()) return t;
+    thread_local Candidates candidates;
+    // Rays find their own way through a crowd, and to the members of groups.
+    const bool listed = !na.group() && !nb.group() && rays_.candidates(na.box, nb.box, candidates, kMostCandidates);
+    if (listed) {
+        std::erase_if(candidates, [&](std::uint32_t i) {
+            return (na.instance == i && cleared(na, mode_a, i)) || (nb.instance == i && cleared(nb, mode_b, i));
+        });
+        if (candidates.empty()) return t;
+    }
+    const auto blocked = [&](const EndPoint& p, const EndPoint& q) {
+        if (listed) return rays_.occluded(p.position, q.position, p.on, q.on, candidates);
+        const std::uint32_t i = p.on.instance, j = q.on.instance;
+        return rays_.occluded(p.position, q.position, p.on, q.on,
+                              {cleared(na, mode_a, i) ? i : kNoInstance, cleared(nb, mode_b, j) ? j : kNoInstance});
+    };
 
     const std::uint64_t seed = mix64(key_a ^ mix64(key_b ^ options_.seed));
     const double distance = length(nb.centre - na.centre);
@@ -116,7 +144,7 @@ LinkBuilder::Transmittance LinkBuilder::transmittance(const Offer& o, double noi
             if (weight <= 0) continue;
             total += weight;
             ++t.rays;
-            if (rays_.occluded(p.position, q.position, {na.instance, p.triangle}, {nb.instance, q.triangle}, candidates))
+            if (blocked(p, q))
                 ++hits;
             else
                 open += weight;

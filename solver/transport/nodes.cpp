@@ -53,11 +53,50 @@ double Node::mean_cosine(const Vec3& w, double fan) const {
     return c > -x ? (c + x) * (c + x) / (4 * x) : 0.0;
 }
 
-Nodes::Nodes(const Scene& scene) : scene_(&scene), instances_(scene.instances.size()) {
-    std::size_t count = 0;
+Nodes::Nodes(const Scene& scene)
+    : scene_(&scene), groups_(group_instances(scene)), instances_(scene.instances.size()) {
+    std::size_t count = group_count();
     for (const Instance& i : scene.instances) count += i.data().clusters.size() + i.data().faces.size();
     nodes_.reserve(count + count / 4);
+    nodes_.resize(group_count());
     for (std::uint32_t i = 0; i < scene.instances.size(); ++i) add_instance(i);
+    set_groups();
+}
+
+void Nodes::set_groups() {
+    if (group_count() == 0) return;
+    member_area_sum_.assign(1, 0);
+    for (const std::uint32_t i : groups_.members)
+        member_area_sum_.push_back(member_area_sum_.back() + nodes_[root(i)].area);
+    for (std::uint32_t g = group_count(); g-- > 0;) {
+        const auto node_of = [&](std::uint32_t child) {
+            return groups_.is_group(child) ? child : root(groups_.instance(child));
+        };
+        Node& node = nodes_[g];
+        node.kind = NodeKind::Bins;
+        node.instance = kNoNode;
+        node.index = g;
+        node.first_child = node_of(groups_.groups[g].child[0]);
+        node.second_child = node_of(groups_.groups[g].child[1]);
+        node.child_count = 2;
+        const std::array<std::uint32_t, 2> both{node.first_child, node.second_child};
+        for (const std::uint32_t child : both) {
+            Node& n = nodes_[child];
+            n.parent = g;
+            node.area += n.area;
+            node.area_vector += n.area_vector;
+            node.centre += n.centre * n.area;
+            node.box.add(n.box);
+        }
+        node.centre = node.area > 0 ? node.centre / node.area : node.box.centre();
+        // Both bounds hold: the children's spheres, and the farthest corner of the box.
+        double spheres = 0;
+        for (const std::uint32_t child : both)
+            spheres = std::max(spheres, length(nodes_[child].centre - node.centre) + double(nodes_[child].radius));
+        const Vec3 lo = node.centre - node.box.lo, hi = node.box.hi - node.centre;
+        const double corner = length({std::max(lo.x, hi.x), std::max(lo.y, hi.y), std::max(lo.z, hi.z)});
+        node.radius = static_cast<float>(std::min(spheres, corner));
+    }
 }
 
 void Nodes::set_surface(Node& node, const TriangleCorners& c) const {
@@ -204,6 +243,7 @@ TriangleCorners Nodes::corners(std::uint32_t surface) const {
 }
 
 std::array<std::uint32_t, 2> Nodes::patches(const Node& node) const {
+    assert(!node.group());
     if (node.kind == NodeKind::Surface) {
         const std::uint32_t p = patch_of(node);
         return {p, p + 1};
@@ -213,6 +253,7 @@ std::array<std::uint32_t, 2> Nodes::patches(const Node& node) const {
 }
 
 std::array<std::uint32_t, 2> Nodes::faces(const Node& node) const {
+    assert(!node.group());
     if (node.kind == NodeKind::Surface) {
         const std::uint32_t f = face_of(node);
         return {f, f + 1};

@@ -1,8 +1,9 @@
-// The scene as one forest of nodes in world space: every instance's cluster tree, the faces below its patches, and the
-// elements that faces are subdivided into on demand.
+// The scene as one forest of nodes in world space: groups of instances, every instance's cluster tree, the faces below its
+// patches, and the elements that faces are subdivided into on demand.
 //
-// Order: an instance's clusters (preorder), then its faces, then the next instance; elements follow all instances. A
-// child's number is always larger than its parent's, so one forward loop pushes down and one backward loop pulls up.
+// Order: groups (preorder); an instance's clusters (preorder), then its faces, then the next instance; elements follow
+// all instances. A child's number is always larger than its parent's, so one forward loop pushes down and one backward
+// loop pulls up.
 #pragma once
 
 #include <array>
@@ -11,6 +12,7 @@
 #include <vector>
 
 #include "solver/scene/scene.h"
+#include "solver/transport/groups.h"
 
 namespace rro {
 
@@ -20,7 +22,7 @@ inline constexpr std::uint32_t kNoNode = 0xffffffffu;
 enum class NodeKind : std::uint8_t {
     Surface,  // a face or an element: planar, exact form factors, scalar irradiance
     Flat,     // several faces that look one way: mean radiosity out, irradiance vector in
-    Bins,     // a cluster of many orientations: intensity per direction out, light per direction in
+    Bins,     // a cluster of many orientations, or a group: intensity per direction out, light per direction in
     Cluster,  // too small for bins, too round to be flat: never an end, always split
 };
 
@@ -32,10 +34,10 @@ struct Node {
     double area = 0;                // m^2
     float radius = 0;               // about centre, m
     float cone_cosine = -1;         // smallest cosine between the mean normal and a face's
-    std::uint32_t instance = 0;
-    std::uint32_t index = 0;        // cluster, face or element number
+    std::uint32_t instance = 0;     // kNoNode: a group
+    std::uint32_t index = 0;        // cluster, face, element or group number
     std::uint32_t parent = kNoNode;
-    std::uint32_t first_child = 0;  // clusters: the left child, whose sibling is second_child; else children in a row
+    std::uint32_t first_child = 0;  // clusters, groups: the left child, whose sibling is second_child; else children in a row
     std::uint32_t second_child = 0;
     std::uint32_t child_count = 0;
     std::uint32_t slot = 0;         // Flat: number of its irradiance vector; Bins: of its direction bins
@@ -49,6 +51,7 @@ struct Node {
     /// for cosines in c - x .. c + x the mean is (c + x)^2 / 4x. 
     double mean_cosine(const Vec3& w, double fan = 0) const;
     bool planar() const { return kind == NodeKind::Surface; }
+    bool group() const { return instance == kNoNode; }
 };
 
 /// Where an instance's nodes lie.
@@ -72,6 +75,11 @@ class Nodes {
     const Node& operator[](std::uint32_t n) const { return nodes_[n]; }
     const InstanceNodes& instance(std::uint32_t i) const { return instances_[i]; }
     std::uint32_t root(std::uint32_t i) const { return instances_[i].first_cluster; }
+    /// Groups are the first nodes, numbered alike. There are none above few instances.
+    const GroupTree& groups() const { return groups_; }
+    std::uint32_t group_count() const { return static_cast<std::uint32_t>(groups_.groups.size()); }
+    /// Running sum of the members' areas in the order of groups().members, m^2. [members + 1]
+    const std::vector<double>& member_area_sum() const { return member_area_sum_; }
     std::uint32_t flat_count() const { return flat_count_; }
     std::uint32_t bins_count() const { return bins_count_; }
 
@@ -88,10 +96,10 @@ class Nodes {
     TriangleCorners corners(std::uint32_t surface) const;
     const ElementCorners& element_corners(std::uint32_t element) const { return element_corners_[nodes_[element].index]; }
 
-    /// Half-open range of patch numbers that a node holds or is part of.
+    /// Half-open range of patch numbers that a node holds or is part of; not of a group.
     std::array<std::uint32_t, 2> patches(const Node& node) const;
 
-    /// Half-open range of face numbers below a node.
+    /// Half-open range of face numbers below a node; not of a group.
     std::array<std::uint32_t, 2> faces(const Node& node) const;
 
     /// Children as ends of links: a patch of one face is skipped in favour of the face.
@@ -102,9 +110,12 @@ class Nodes {
 
   private:
     void add_instance(std::uint32_t i);
+    void set_groups();
     void set_surface(Node& node, const TriangleCorners& c) const;
 
     const Scene* scene_;
+    GroupTree groups_;
+    std::vector<double> member_area_sum_;
     std::vector<Node> nodes_;
     std::vector<InstanceNodes> instances_;
     std::vector<ElementCorners> element_corners_;

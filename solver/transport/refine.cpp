@@ -1,5 +1,7 @@
 #include "solver/transport/refine.h"
 
+#include <span>
+
 #include "format/parallel.h"
 
 namespace rro {
@@ -23,8 +25,9 @@ bool outgrown(const Link& l, const Nodes& nodes, const Guide& guide) {
 /// The stored pairs below a stored pair, in the order in which a division makes them.
 class StoredChildren {
   public:
-    StoredChildren(const Nodes& nodes, std::uint32_t instance, std::uint32_t stored)
-        : pairs_(nodes.scene().instances[instance].object->self_pairs), stored_(stored) {}
+    StoredChildren(const Nodes& nodes, const Node& divided, std::uint32_t stored) : stored_(stored) {
+        if (stored != kNotStored) pairs_ = nodes.scene().instances[divided.instance].object->self_pairs;
+    }
 
     /// Below a link there are none: parts of its ends keep it.
     std::uint32_t operator[](std::size_t k) const {
@@ -36,9 +39,15 @@ class StoredChildren {
     }
 
   private:
-    const std::vector<SelfPair>& pairs_;
+    std::span<const SelfPair> pairs_;
     std::uint32_t stored_;
 };
+
+/// An instance with itself.
+Pair self_pair(const Nodes& nodes, std::uint32_t instance) {
+    const bool stored = !nodes.scene().instances[instance].object->self_pairs.empty();
+    return {nodes.root(instance), nodes.root(instance), stored ? 0 : kNotStored};
+}
 
 class Refiner {
   public:
@@ -95,19 +104,28 @@ class Refiner {
                 guide_.reflectance.push_back(guide_.reflectance[divided]);
             }
         }
-        const StoredChildren below(nodes_, nodes_[divided].instance, stored);
+        const StoredChildren below(nodes_, nodes_[divided], stored);
         nodes_.children(divided, children_);
         for (std::size_t k = 0; k < children_.size(); ++k) stack_.push_back({children_[k], other, below[k]});
     }
 
     void split_self(const Pair& pair) {
-        const StoredChildren below(nodes_, nodes_[pair.a].instance, pair.stored);
+        if (nodes_[pair.a].group()) return split_group(nodes_[pair.a]);
+        const StoredChildren below(nodes_, nodes_[pair.a], pair.stored);
         nodes_.children(pair.a, children_);
         std::size_t k = 0;
         for (std::size_t i = 0; i < children_.size(); ++i)
             for (std::size_t j = i; j < children_.size(); ++j, ++k)
                 if (i != j || nodes_[children_[i]].kind != NodeKind::Surface)
                     stack_.push_back({children_[i], children_[j], below[k]});
+    }
+
+    void split_group(const Node& group) {
+        const std::uint32_t left = group.first_child, right = group.second_child;
+        for (const std::uint32_t child : {left, right})
+            if (nodes_[child].group()) stack_.push_back({child, child});
+            else if (set_.within_instances) stack_.push_back(self_pair(nodes_, nodes_[child].instance));
+        stack_.push_back({left, right});
     }
 
     LinkSet& set_;
@@ -121,13 +139,16 @@ class Refiner {
 
 }  // namespace
 
-LinkSet::LinkSet(const Nodes& nodes, bool within_instances) {
+LinkSet::LinkSet(const Nodes& nodes, bool within) : within_instances(within) {
+    if (nodes.group_count() > 0) {
+        pending.push_back({0, 0});
+        return;
+    }
     const auto count = static_cast<std::uint32_t>(nodes.scene().instances.size());
-    for (std::uint32_t i = 0; i < count; ++i)
-        for (std::uint32_t j = within_instances ? i : i + 1; j < count; ++j) {
-            const bool stored = !getenv("RRO_NOSTORE") && i == j && !nodes.scene().instances[i].object->self_pairs.empty();
-            pending.push_back({nodes.root(i), nodes.root(j), stored ? 0 : kNotStored});
-        }
+    for (std::uint32_t i = 0; i < count; ++i) {
+        if (within) pending.push_back(self_pair(nodes, i));
+        for (std::uint32_t j = i + 1; j < count; ++j) pending.push_back({nodes.root(i), nodes.root(j)});
+    }
 }
 
 void refine(LinkSet& set, Nodes& nodes, Guide& guide, const LinkBuilder& builder) {

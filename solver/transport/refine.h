@@ -12,8 +12,9 @@ struct LinkSet {
     std::vector<Link> links;
     std::vector<Pair> pending;
     std::uint64_t rays = 0;  // so far
+    bool within_instances;   // does light go from an instance to itself?
 
-    /// All pairs of instances and, where asked, every instance with itself.
+    /// All pairs of instances and, where asked, every instance with itself; in groups where there are any.
     LinkSet(const Nodes& nodes, bool within_instances);
 };
 

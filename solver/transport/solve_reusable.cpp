@@ -118,6 +118,7 @@ Result<Solution> solve(const Scene& scene, const Plan& plan, const TransportOpti
     Guide guide;
     guide.error.assign(nodes.size(), 0.0f);
     guide.share.assign(scene.instances.size(), std::pow(std::max(kCoarseAccuracy, options.accuracy), 2) * kFirstShare);
+    guide.scene_share = guide.share.empty() ? 0 : guide.share[0];
     solution.seconds.links += seconds_since(start);
 
     double largest_reflectance = 0, emitted = 0, area = 0;
@@ -169,6 +170,7 @@ Result<Solution> solve(const Scene& scene, const Plan& plan, const TransportOpti
             if (over >= 1) continue;
             good = false;
             guide.share[i] *= std::clamp(0.7 * over * over * over, 1.0 / 30, 0.7);
+            guide.scene_share = std::min(guide.scene_share, guide.share[i]);
         }
         if (good && !(changed && round < kDirectRounds + 1)) break;
     }
@@ -178,7 +180,7 @@ Result<Solution> solve(const Scene& scene, const Plan& plan, const TransportOpti
     solution.converged = solution.estimated_error <= options.accuracy;
     solution.rays = set.rays;
     for (const Link& l : set.links) {
-        if (nodes[l.a].instance == nodes[l.b].instance) ++solution.links.self;
+        if (!nodes[l.a].group() && nodes[l.a].instance == nodes[l.b].instance) ++solution.links.self;
         else ++(l.mean() ? solution.links.near : solution.links.far);
     }
     if (const char* ff = getenv("RRO_FACE")) {

@@ -278,9 +278,9 @@ SceneHit SceneRays::first_hit(const Vec3& start, const Vec3& direction, const Sc
     return best.instance == kNoInstance ? SceneHit{} : best;
 }
 
-void SceneRays::candidates(const Box3& a, const Box3& b, Candidates& out) const {
+bool SceneRays::candidates(const Box3& a, const Box3& b, Candidates& out, std::size_t most) const {
     out.clear();
-    if (nodes_.empty()) return;
+    if (nodes_.empty()) return true;
     const Shaft shaft(a, b);
     std::array<std::uint32_t, kStack> stack;
     std::size_t waiting = 0;
@@ -290,6 +290,7 @@ void SceneRays::candidates(const Box3& a, const Box3& b, Candidates& out) const 
         const Node& node = nodes_[at];
         if (shaft.misses(node.box)) continue;
         if (node.count > 0) {
+            if (out.size() == most) return false;
             out.push_back(order_[node.first]);
         } else {
             stack[waiting++] = node.right;
@@ -297,6 +298,7 @@ void SceneRays::candidates(const Box3& a, const Box3& b, Candidates& out) const 
         }
     }
     std::sort(out.begin(), out.end());
+    return true;
 }
 
 bool SceneRays::occluded_by(std::uint32_t instance, const Vec3& p, const Vec3& q, const SceneTriangle& p_on,
@@ -315,7 +317,8 @@ bool SceneRays::occluded(const Vec3& from, const Vec3& to, const SceneTriangle& 
                        [&](std::uint32_t instance) { return occluded_by(instance, p, q, p_on, q_on); });
 }
 
-bool SceneRays::occluded(const Vec3& from, const Vec3& to, const SceneTriangle& p_on, const SceneTriangle& q_on) const {
+bool SceneRays::occluded(const Vec3& from, const Vec3& to, const SceneTriangle& p_on, const SceneTriangle& q_on,
+                         const std::array<std::uint32_t, 2>& passed) const {
     if (nodes_.empty()) return false;
     const Vec3 p = shrink(p_on)(from), q = shrink(q_on)(to);
     const Vec3 reciprocal = reciprocals(q - p);
@@ -327,7 +330,9 @@ bool SceneRays::occluded(const Vec3& from, const Vec3& to, const SceneTriangle& 
         const Node& node = nodes_[at];
         if (!entry(node.box, p, reciprocal, 1)) continue;
         if (node.count > 0) {
-            if (occluded_by(order_[node.first], p, q, p_on, q_on)) return true;
+            const std::uint32_t instance = order_[node.first];
+            if (instance == passed[0] || instance == passed[1]) continue;
+            if (occluded_by(instance, p, q, p_on, q_on)) return true;
         } else {
             stack[waiting++] = node.right;
             stack[waiting++] = at + 1;

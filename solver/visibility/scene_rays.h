@@ -5,6 +5,7 @@
 // largest coordinate, 1e-6 of it: so edges where walls meet neither leak nor block.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -42,14 +43,17 @@ class SceneRays {
     SceneHit first_hit(const Vec3& origin, const Vec3& direction, const SceneTriangle& ignored = {}) const;
 
     /// Instances whose bounds meet the convex hull of two boxes (conservatively).
-    void candidates(const Box3& a, const Box3& b, Candidates& out) const;
+    /// returns  whether there are no more than `most`; else the list is cut short
+    bool candidates(const Box3& a, const Box3& b, Candidates& out, std::size_t most = kNoInstance) const;
 
     /// Is the open segment from p to q blocked by a triangle other than the two ends' own, of the instances listed?
     bool occluded(const Vec3& p, const Vec3& q, const SceneTriangle& p_on, const SceneTriangle& q_on,
                   std::span<const std::uint32_t> candidates) const;
 
-    /// The same against all instances, found on the way: for single segments without a shaft.
-    bool occluded(const Vec3& p, const Vec3& q, const SceneTriangle& p_on, const SceneTriangle& q_on) const;
+    /// The same against all instances, found on the way, but those that `passed` names: for single segments without a
+    /// shaft, or with too many candidates in it.
+    bool occluded(const Vec3& p, const Vec3& q, const SceneTriangle& p_on, const SceneTriangle& q_on,
+                  const std::array<std::uint32_t, 2>& passed = {kNoInstance, kNoInstance}) const;
 
     /// The same for many segments with common ends and candidates, several at a time: blocked[i] = 1 or 0.
     void occluded(std::span<const Vec3> p, std::span<const Vec3> q, const SceneTriangle& p_on,

@@ -219,6 +219,9 @@ TEST_CASE("the ends' own triangles do not block, others do", "[scene_rays]") {
     CHECK_FALSE(rays.occluded(p, q, triangle_at(0), triangle_at(2), ends));
     CHECK_FALSE(rays.occluded(p, middle, triangle_at(0), triangle_at(1), all));
     CHECK_FALSE(rays.occluded(p, p, triangle_at(0), triangle_at(0), all));  // no length, nothing between
+    CHECK(rays.occluded(p, q, triangle_at(0), triangle_at(2), {0, 2}));
+    CHECK_FALSE(rays.occluded(p, q, triangle_at(0), triangle_at(2), {1, kNoInstance}));  // all of it is passed
+    CHECK_FALSE(rays.occluded(p, q, triangle_at(0), triangle_at(2), {kNoInstance, 1}));
     CHECK(rays.first_hit(middle, {0, -1, 0}, triangle_at(1)).instance == 0);
 }
 
@@ -242,6 +245,10 @@ TEST_CASE("candidates hold all instances that a shaft meets, and leave out those
         shrink(a), shrink(b);
         rays.candidates(a, b, found);
         CHECK(std::is_sorted(found.begin(), found.end()));
+        Candidates cut;
+        CHECK(rays.candidates(a, b, cut, found.size()));
+        CHECK(cut == found);
+        if (!found.empty()) CHECK_FALSE(rays.candidates(a, b, cut, found.size() - 1));
         kept += found.size();
         Box3 both = a;
         both.add(b);
