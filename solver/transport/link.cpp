@@ -16,9 +16,10 @@ constexpr double kSmallestElementShare = 1e-6;  // of the scene's area
 // What one link may be wrong by, relative to its light; r the radius of an end, d the distance.
 // A flat or planar end as a point: second order.
 constexpr double kCurvature = 0.5;  // of (r / d)^2
-// How well archives know the exchange area of a self link, and, of its standard deviation of a ray, its visibility.
-// Of touching ends few lines decide.
-constexpr double kStoredExchange = 0.02, kStoredVisibility = 0.25, kStoredLines = 16, kStoredTouching = 2;
+// How well archives know the exchange area of a self link and, as a share of the deviation of a line, its visibility;
+// and what they know of the visibility of ends that nearly touch, whose radii add up to this part of the distance.
+constexpr double kStoredExchange = 0.02, kStoredVisibility = 0.25, kStoredLines = 16;
+constexpr double kStoredTouching = 0.8, kStoredDoubt = 0.4;
 // From this share of the distance on, an end counts as several points; what is left is this part of the difference that
 // they make, and of the second order that they do not see.
 constexpr double kOnePoint = 0.08, kLeftOver = 0.3;
@@ -41,7 +42,7 @@ constexpr double kNearestFlat = 2;
 // Triangles this many times the sum of their radii apart need no kernel.
 constexpr double kFarTriangles = 4;
 // How much a light gradient within one face counts: it does not move the face's mean.
-constexpr double kWithinFace = 0.2;
+constexpr double kWithinFace = 0.1;
 // The same for the edge of a shadow.
 constexpr double kShadowWithinFace = 0.12;
 // A pair whose whole light would do this part of a link's harm is taken as it is.
@@ -181,7 +182,8 @@ Verdict LinkBuilder::judge(const Pair& pair, const Guide& guide) const {
         return v;
     }
     const SelfPair& known = nodes_.scene().instances[nodes_[a].instance].object->self_pairs[stored];
-    if (known.step == PairStep::Dark) return {};
+    // The compiler calls a pair dark, too, where none of its lines left both fronts.
+    if (known.step == PairStep::Dark) return a == b ? Verdict{} : judge_by_geometry(a, b, guide, kOwnUnknown);
     const bool whole = is_whole(known, pair);
     if (whole && nodes_.instance(nodes_[a].instance).similarity > 0) {
         v = judge_stored(pair, known, guide);
@@ -237,7 +239,9 @@ Verdict LinkBuilder::judge_stored(const Pair& pair, const SelfPair& stored, cons
     const double scale = nodes_.instance(na.instance).similarity;
     const double g = scale * scale * double(stored.seen), own = double(stored.seen) / double(stored.unoccluded);
     const double d = length(nb.centre - na.centre);
-    const double near_a = double(na.radius) / std::max(d, 1e-300), near_b = double(nb.radius) / std::max(d, 1e-300);
+    constexpr double kTouching = 2;  // nearer than that makes no difference
+    const double near_a = d > 0 ? std::min(kTouching, double(na.radius) / d) : kTouching;
+    const double near_b = d > 0 ? std::min(kTouching, double(nb.radius) / d) : kTouching;
     Offer o{a, b, EndMode::Mean, EndMode::Mean};
     // Flat ends receive by direction where that leaves less error than one mean for all faces.
     const auto received = [&](const Node& n, double r, EndMode& mode) {
@@ -252,8 +256,9 @@ Verdict LinkBuilder::judge_stored(const Pair& pair, const SelfPair& stored, cons
     const double shadow = std::sqrt(own * (1 - own));
     // By Laplace's rule for the lines that the compiler drew: what it found hidden may have a gap.
     const double likely = own == 1 ? 1 : (own * kStoredLines + 1) / (kStoredLines + 2);
-    const double known = scale * scale * double(stored.unoccluded) *
-                         std::hypot(kStoredExchange * own, kStoredVisibility * (1 + kStoredTouching * (near_a + near_b)) * std::sqrt(likely * (1 - likely)));
+    const bool touching = near_a + near_b > kStoredTouching;  // few of the lines decide
+    const double doubt = touching && own < 1 ? kStoredDoubt : kStoredVisibility * std::sqrt(likely * (1 - likely));
+    const double known = scale * scale * double(stored.unoccluded) * std::hypot(kStoredExchange * own, doubt);
     const double error_a = std::hypot(received(na, near_a, o.mode_a), sent_as_one(b, near_b, guide), shadow * shadow_share(na));
     const double error_b = std::hypot(received(nb, near_b, o.mode_b), sent_as_one(a, near_a, guide), shadow * shadow_share(nb));
     o.error_a = std::hypot(g * error_a, known);

@@ -24,7 +24,8 @@ constexpr int kDirectRounds = 1;
 constexpr double kFirstShare = 1.0 / 1000;
 constexpr double kCoarseAccuracy = 0.3;
 // An instance by itself may be this many times worse than the scene.
-constexpr double kWorstInstance = 2;
+constexpr double kWorstInstance = 2.5;
+constexpr int kInstanceRounds = 1;  // for them alone
 
 struct Residual {
     int sweeps = 0;
@@ -133,6 +134,7 @@ Result<Solution> solve(const Scene& scene, const Plan& plan, const TransportOpti
     }
 
     double error = 0;
+    int settled = 0;
     Residual residual;
     for (int round = 0; round < kMostRounds; ++round) {
         tell("links", double(round) / kMostRounds);
@@ -172,7 +174,8 @@ Result<Solution> solve(const Scene& scene, const Plan& plan, const TransportOpti
             guide.share[i] *= std::clamp(0.7 * over * over * over, 1.0 / 30, 0.7);
             guide.scene_share = std::min(guide.scene_share, guide.share[i]);
         }
-        if (good && !(changed && round < kDirectRounds + 1)) break;
+        if (error <= options.accuracy) ++settled;
+        if ((good || settled > kInstanceRounds) && !(changed && round < kDirectRounds + 1)) break;
     }
 
     solution.residual = residual.relative;
