@@ -75,8 +75,10 @@ void LightField<C>::grow() {
     for (std::size_t id = before; id < nodes_.size(); ++id) {
         const Node& n = nodes_[static_cast<std::uint32_t>(id)];
         if (n.kind != NodeKind::Surface) continue;
-        for (std::size_t c = 0; c < C; ++c)
+        for (std::size_t c = 0; c < C; ++c) {
             radiosity_[id * C + c] = n.depth > 0 ? radiosity_[n.parent * C + c] : exitance(static_cast<std::uint32_t>(id), c);
+            if (n.depth > 0) irradiance_[id * C + c] = irradiance_[n.parent * C + c];
+        }
     }
     if (before > 0) return;
     for (std::uint32_t i = 0; i < nodes_.scene().instances.size(); ++i) pull_instance(i);
@@ -87,7 +89,7 @@ template <int C>
 void LightField<C>::extinguish() {
     for (std::uint32_t i = 0; i < nodes_.scene().instances.size(); ++i) {
         for_each_leaf(i, [&](std::uint32_t id) {
-            for (std::size_t c = 0; c < C; ++c) radiosity_[id * C + c] = exitance(id, c);
+            for (std::size_t c = 0; c < C; ++c) radiosity_[id * C + c] = exitance(id, c), irradiance_[id * C + c] = 0;
         });
         pull_instance(i);
     }
@@ -341,6 +343,7 @@ double LightField<C>::close_rows() {
 
 template <int C>
 double LightField<C>::sweep() {
+    before_ = irradiance_;
     transport();
     const std::size_t instances = nodes_.scene().instances.size();
     std::vector<double> change(instances, 0), area(instances, 0);
@@ -352,10 +355,10 @@ double LightField<C>::sweep() {
                 float& e = irradiance_[id * C + c];
                 if (!row_scale_.empty()) e *= row_scale_[id];
                 if (e < std::numeric_limits<float>::min()) e = 0;  // denormals are noise, and slow
-                const float next = exitance(id, c) + reflectance(id, c) * e;
-                const double d = double(next) - double(radiosity_[id * C + c]);
+                // In reflected light, not in radiosity: beside a strong exitance float would round it away.
+                const double d = double(reflectance(id, c)) * (double(e) - double(before_[id * C + c]));
                 change[i] += nodes_[id].area * d * d;
-                radiosity_[id * C + c] = next;
+                radiosity_[id * C + c] = exitance(id, c) + reflectance(id, c) * e;
             }
         });
         pull_instance(i);
@@ -373,7 +376,7 @@ double LightField<C>::reflected_norm() const {
         for_each_leaf(i, [&](std::uint32_t id) {
             total += nodes_[id].area;
             for (std::size_t c = 0; c < C; ++c) {
-                const double r = double(radiosity_[id * C + c]) - double(exitance(id, c));
+                const double r = double(reflectance(id, c)) * double(irradiance_[id * C + c]);
                 sum += nodes_[id].area * r * r;
             }
         });

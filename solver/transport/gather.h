@@ -75,6 +75,7 @@ class LightField {
     DirectionBins<C> bins_;
     GroupBins<C> groups_;
     std::vector<float> radiosity_, irradiance_;      // [nodes * C]
+    std::vector<float> before_;                      // [nodes * C] irradiance of the last sweep
     std::vector<float> row_scale_;                   // [nodes], leaves of closed scenes; else empty
     std::vector<float> vectors_;                     // [flat slots * 6 * C] irradiance vectors, then gradients of irradiance
     std::vector<std::uint32_t> scalar_first_, directed_first_;  // [nodes + 1]

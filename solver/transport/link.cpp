@@ -19,7 +19,7 @@ constexpr double kCurvature = 0.5;  // of (r / d)^2
 // How well archives know the exchange area of a self link and, as a share of the deviation of a line, its visibility;
 // and what they know of the visibility of ends that nearly touch, whose radii add up to this part of the distance.
 constexpr double kStoredExchange = 0.02, kStoredVisibility = 0.25, kStoredLines = 16;
-constexpr double kStoredTouching = 0.8, kStoredDoubt = 0.4;
+constexpr double kStoredTouching = 0.6, kStoredDoubt = 0.4;
 // From this share of the distance on, an end counts as several points; what is left is this part of the difference that
 // they make, and of the second order that they do not see.
 constexpr double kOnePoint = 0.08, kLeftOver = 0.3;
@@ -319,6 +319,16 @@ Verdict LinkBuilder::judge_near(std::uint32_t a, std::uint32_t b, const Guide& g
     o.base_b = gb * std::numbers::pi;
     o.error_a = std::hypot(quadrature, kWithinFace * spread_a);
     o.error_b = std::hypot(quadrature, kWithinFace * spread_b);
+    // Seen from close by, a source is its nearest part, which may be brighter or darker than the whole.
+    const auto uneven = [&](std::uint32_t id) { return std::min(1.0, 1 / nearness) * double(guide.variation[id]); };
+    const double uneven_a = gb * uneven(a), uneven_b = ga * uneven(b);
+    const double dark_a = harm(guide, nodes_, b, a, uneven_a), dark_b = harm(guide, nodes_, a, b, uneven_b);
+    if (std::max(dark_a, dark_b) > 1) {
+        const Verdict v = split(a, b, dark_a >= dark_b);
+        if (v.action != Verdict::Action::Accept) return v;
+    }
+    o.error_a = std::hypot(o.error_a, uneven_b);
+    o.error_b = std::hypot(o.error_b, uneven_a);
     // A gradient goes away only by dividing the end that it runs over.
     const double harm_a = harm(guide, nodes_, a, b, o.error_a), harm_b = harm(guide, nodes_, b, a, o.error_b);
     if (std::max(harm_a, harm_b) > 1) {

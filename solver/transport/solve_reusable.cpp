@@ -1,8 +1,5 @@
 // The solve, in order: nodes, then rounds of refining links under the light known so far and iterating that light.
 #include <chrono>
-#include <map>
-#include <cstdio>
-#include <cstdlib>
 
 #include "solver/transport/gather.h"
 #include "solver/transport/refine.h"
@@ -24,8 +21,8 @@ constexpr int kDirectRounds = 1;
 constexpr double kFirstShare = 1.0 / 1000;
 constexpr double kCoarseAccuracy = 0.3;
 // An instance by itself may be this many times worse than the scene.
-constexpr double kWorstInstance = 2.5;
-constexpr int kInstanceRounds = 1;  // for them alone
+constexpr double kWorstInstance = 1.5;
+constexpr int kInstanceRounds = 2;  // for them alone
 
 struct Residual {
     int sweeps = 0;
@@ -163,7 +160,6 @@ Result<Solution> solve(const Scene& scene, const Plan& plan, const TransportOpti
         field.fill(guide);
         const ErrorEstimate estimate = estimate_error(set, nodes, closed ? 1.0 : amplification(scene, nodes, field), guide);
         error = estimate.whole;
-        if (getenv("RRO_DBG")) fprintf(stderr, "round %d: share %g links %zu rays %lu est %.4f sweeps %d nodes %zu t %.2f %.2f\n", round, guide.share[0]/ (options.accuracy*options.accuracy), set.links.size(), set.rays, error, residual.sweeps, nodes.size(), solution.seconds.links, solution.seconds.iterate);
         if (round < kDirectRounds) continue;
         bool good = true;
         for (std::size_t i = 0; i < guide.share.size(); ++i) {
@@ -185,37 +181,6 @@ Result<Solution> solve(const Scene& scene, const Plan& plan, const TransportOpti
     for (const Link& l : set.links) {
         if (!nodes[l.a].group() && nodes[l.a].instance == nodes[l.b].instance) ++solution.links.self;
         else ++(l.mean() ? solution.links.near : solution.links.far);
-    }
-    if (const char* ff = getenv("RRO_FACE")) {
-        const auto want = static_cast<std::uint32_t>(atoi(ff));
-        const ObjectData& d = scene.instances[0].data();
-        for (std::uint32_t f = 0; f < d.faces.size(); ++f) if (d.source_triangle[d.faces[f].triangle()] == want) {
-            std::uint32_t id = nodes.instance(0).first_face + f;
-            fprintf(stderr, "face node %u children %u E %g\n", id, nodes[id].child_count, double(field.irradiance()[std::size_t(id) * C + 1 % C]));
-            std::vector<std::uint32_t> chain; for (std::uint32_t a = id; a != kNoNode; a = nodes[a].parent) chain.push_back(a);
-            for (std::uint32_t a = id; nodes[a].child_count > 0;) { a = nodes[a].first_child + 3; chain.push_back(a); fprintf(stderr, "element %u E %g\n", a, double(field.irradiance()[std::size_t(a) * C + 1 % C])); }
-            for (std::uint32_t a : chain)
-                for (const Link& l : set.links) if (l.a == a || l.b == a) {
-                    const bool isa = l.a == a; const std::uint32_t o = isa ? l.b : l.a;
-                    fprintf(stderr, "  at %u kind %d r %.3f A %.2g <- %s %u kind %d r %.3f B %.3g  d %.3f base %.3g mode %d err %.3g noise %.3g E~ %.4g\n", a, int(nodes[a].kind), double(nodes[a].radius), nodes[a].area, scene.instances[nodes[o].instance].name.c_str(), o, int(nodes[o].kind), double(nodes[o].radius), double(guide.radiosity[o]), length(nodes[a].centre - nodes[o].centre), double(isa ? l.base_a : l.base_b), int(isa ? l.mode_a : l.mode_b), double(isa ? l.error_a : l.error_b), double(l.noise), double(isa ? l.base_a : l.base_b) / 3.14159 * double(guide.radiosity[o]) / nodes[a].area);
-                }
-        }
-    }
-    if (getenv("RRO_DBG")) {
-        std::map<std::pair<std::string,std::string>, std::array<double,6>> h;
-        const char* kn[]={"S","F","B","C"};
-        std::vector<double> bring;
-        for (const Link& l : set.links) {
-            const auto k = std::make_pair(scene.instances[nodes[l.a].instance].name + "-" + scene.instances[nodes[l.b].instance].name, std::string(kn[int(nodes[l.a].kind)])+kn[int(nodes[l.b].kind)]+(l.mean()?"n":"f")+(l.stored!=kNotStored?"s":""));
-            auto& x=h[k]; x[0]+=1;
-            
-            x[1]+=harm(guide,nodes,l.a,l.b,double(l.error_a))+harm(guide,nodes,l.b,l.a,double(l.error_b));
-        }
-        double tot=0; for(auto&[k,x]:h) tot+=x[1];
-        std::vector<std::pair<double,std::string>> out;
-        for(auto&[k,x]:h){ char b[300]; snprintf(b,300,"%-40s %-5s %8.0f  err2 %.4f\n",k.first.c_str(),k.second.c_str(),x[0],x[1]/tot); out.push_back({x[0],b}); }
-        std::sort(out.rbegin(),out.rend());
-        for(size_t i=0;i<out.size()&&i<60;++i) fputs(out[i].second.c_str(),stderr);
     }
     solution.links.bytes = set.links.size() * sizeof(Link) + field.bytes();
     store(scene, nodes, field, solution);

@@ -143,7 +143,7 @@ TEST_CASE("groups hold every instance once, whatever the order of the manifest",
 TEST_CASE("a field of instances in groups agrees with the reference", "[transport][groups]") {
     const Scene scene = place(field_meshes(), field(7));
     ReferenceOptions reference;
-    reference.samples = 256;
+    reference.samples = 1024;
     const auto truth = solve_reference(scene, reference);
     REQUIRE(truth);
     const double noise = truth->estimated_error;
