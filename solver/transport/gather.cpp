@@ -216,41 +216,51 @@ void LightField<C>::gather_bins() {
 // Irradiance of clusters, flat nodes and faces goes down to the leaves; irradiance_ of a face with elements ends as their
 // mean. A flat node's vector meets each face's own cosine, its gradient the place of the face.
 template <int C>
-void LightField<C>::push_instance(std::uint32_t i) {
+void LightField<C>::push_instance(std::uint32_t i, Push what) {
     const InstanceNodes& in = nodes_.instance(i);
     constexpr std::size_t kFlat = 6 * C;
     const auto add_parent = [&](std::uint32_t id) {
         for (std::size_t c = 0; c < C; ++c) irradiance_[id * C + c] += irradiance_[nodes_[id].parent * C + c];
     };
-    const auto add_slope = [&](std::uint32_t id) {
+    const auto add_slope = [&](std::vector<float>& to, std::uint32_t id) {
         const Node &n = nodes_[id], &parent = nodes_[n.parent];
         const float* s = &vectors_[parent.slot * kFlat + 3 * C];
         const Vec3 x = n.centre - parent.centre;
         for (std::size_t c = 0; c < C; ++c)
-            irradiance_[id * C + c] += static_cast<float>(x.x * double(s[3 * c]) + x.y * double(s[3 * c + 1]) + x.z * double(s[3 * c + 2]));
+            to[id * C + c] += static_cast<float>(x.x * double(s[3 * c]) + x.y * double(s[3 * c + 1]) + x.z * double(s[3 * c + 2]));
     };
     for (std::uint32_t id = in.first_cluster; id < in.first_face; ++id) {
         const Node& n = nodes_[id];
         if (n.parent == kNoNode) continue;
         add_parent(id);
         if (n.kind != NodeKind::Flat || nodes_[n.parent].kind != NodeKind::Flat) continue;
-        add_slope(id);
+        add_slope(irradiance_, id);
         for (std::size_t c = 0; c < kFlat; ++c) vectors_[n.slot * kFlat + c] += vectors_[nodes_[n.parent].slot * kFlat + c];
     }
+    // What a surface inherits, added to what its own links bring.
+    const auto add_inherited = [&](std::uint32_t id, const float* from) {
+        constexpr float kMostRow = 1.1f;  // more is no noise
+        float* e = &irradiance_[id * C];
+        if (what == Push::BoundRows)
+            inherited_scale_[id] = e[0] + from[0] > kMostRow ? std::max(0.0f, kMostRow - e[0]) / from[0] : 1.0f;
+        const float scale = inherited_scale_.empty() ? 1.0f : inherited_scale_[id];
+        for (std::size_t c = 0; c < C; ++c) e[c] += scale * from[c];
+    };
     const std::size_t faces = nodes_.scene().instances[i].data().faces.size();
     for (std::uint32_t id = in.first_face; id < in.first_face + faces; ++id) {
         const Node& n = nodes_[id];
         const float* v = &vectors_[nodes_[n.parent].slot * kFlat];
         const Vec3 normal = n.normal();
+        float* from = &inherited_[id * C];
         for (std::size_t c = 0; c < C; ++c) {
             const double e = normal.x * double(v[3 * c]) + normal.y * double(v[3 * c + 1]) + normal.z * double(v[3 * c + 2]);
-            irradiance_[id * C + c] += static_cast<float>(std::max(0.0, e));
+            from[c] += static_cast<float>(std::max(0.0, e)) + irradiance_[n.parent * C + c];
         }
-        add_parent(id);
-        add_slope(id);
-        for (std::size_t c = 0; c < C; ++c) irradiance_[id * C + c] = std::max(0.0f, irradiance_[id * C + c]);
+        add_slope(inherited_, id);
+        for (std::size_t c = 0; c < C; ++c) from[c] = std::max(0.0f, from[c]);
+        add_inherited(id, from);
     }
-    for (const std::uint32_t id : in.elements) add_parent(id);
+    for (const std::uint32_t id : in.elements) add_inherited(id, &irradiance_[nodes_[id].parent * C]);
 }
 
 // Area-weighted means from leaves to roots.
@@ -310,14 +320,25 @@ void LightField<C>::for_each_leaf(std::uint32_t i, const F& f) const {
 }
 
 template <int C>
-void LightField<C>::transport() {
+void LightField<C>::transport(Push what) {
     bins_.pull(radiosity_);
     groups_.pull(bins_, radiosity_);
     gather_surfaces();
     gather_bins();
     groups_.push(bins_, vectors_);
-    bins_.push(irradiance_);
-    parallel_for(nodes_.scene().instances.size(), 1, [&](std::size_t i) { push_instance(static_cast<std::uint32_t>(i)); });
+    inherited_.assign(nodes_.size() * C, 0.0f);
+    bins_.push(inherited_);
+    parallel_for(nodes_.scene().instances.size(), 1, [&](std::size_t i) { push_instance(static_cast<std::uint32_t>(i), what); });
+}
+
+template <int C>
+void LightField<C>::bound_rows() {
+    const std::vector<float> radiosity = radiosity_, irradiance = irradiance_;
+    std::fill(radiosity_.begin(), radiosity_.end(), 1.0f);
+    inherited_scale_.assign(nodes_.size(), 1.0f);
+    transport(Push::BoundRows);
+    radiosity_ = radiosity;
+    irradiance_ = irradiance;
 }
 
 template <int C>

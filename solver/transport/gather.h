@@ -30,6 +30,11 @@ class LightField {
     /// returns  area-weighted root mean square of the defect before
     double close_rows();
 
+    /// No surface receives more than 1 under unit radiosity all around. Where a surface's own links and those of the nodes
+    /// above it say more, an object stands so close to it that those above cannot see how it hides the rest (a box on a
+    /// floor): from now on their light is scaled down. Call after set_links, before close_rows.
+    void bound_rows();
+
     /// One Jacobi sweep: irradiance from the present radiosity, then radiosity = exitance + reflectance * irradiance.
     /// returns  area-weighted root mean square over leaf surfaces and channels of the change of B
     double sweep();
@@ -58,12 +63,13 @@ class LightField {
         float inverse_distance;
         EndMode source_mode, receiver_mode;
     };
+    enum class Push { Light, BoundRows };
     std::array<float, C> source_value(const DirectedLink& link) const;
     void add_half(const Link& link, bool to_a, std::vector<std::vector<std::uint32_t>>& counts);
-    void transport();  // radiosity_ -> irradiance_ of leaves
+    void transport(Push what = Push::Light);  // radiosity_ -> irradiance_ of leaves
     void gather_surfaces();
     void gather_bins();
-    void push_instance(std::uint32_t i);
+    void push_instance(std::uint32_t i, Push what);
     void pull_instance(std::uint32_t i);
     void pull_groups();  // after all instances
     bool leaf(std::uint32_t surface) const { return nodes_[surface].child_count == 0; }
@@ -76,6 +82,8 @@ class LightField {
     GroupBins<C> groups_;
     std::vector<float> radiosity_, irradiance_;      // [nodes * C]
     std::vector<float> before_;                      // [nodes * C] irradiance of the last sweep
+    std::vector<float> inherited_;                   // [nodes * C] what faces receive through nodes above them
+    std::vector<float> inherited_scale_;             // [nodes] surfaces; empty: all 1
     std::vector<float> row_scale_;                   // [nodes], leaves of closed scenes; else empty
     std::vector<float> vectors_;                     // [flat slots * 6 * C] irradiance vectors, then gradients of irradiance
     std::vector<std::uint32_t> scalar_first_, directed_first_;  // [nodes + 1]

@@ -21,8 +21,8 @@ constexpr int kDirectRounds = 1;
 constexpr double kFirstShare = 1.0 / 1000;
 constexpr double kCoarseAccuracy = 0.3;
 // An instance by itself may be this many times worse than the scene.
-constexpr double kWorstInstance = 1.5;
-constexpr int kInstanceRounds = 2;  // for them alone
+constexpr double kWorstInstance = 2;
+constexpr int kInstanceRounds = 1;  // for them alone
 
 struct Residual {
     int sweeps = 0;
@@ -144,6 +144,7 @@ Result<Solution> solve(const Scene& scene, const Plan& plan, const TransportOpti
         refine(set, nodes, guide, builder);
         field.grow();
         field.set_links(set.links);
+        field.bound_rows();
         if (closed) field.close_rows();
         solution.seconds.links += seconds_since(start);
 
