@@ -13,12 +13,14 @@ using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-constexpr int kMostRounds = 8;
+constexpr int kMostRounds = 12;
 constexpr int kMostSweeps = 1000;
 constexpr int kFirstSweeps = 2;  // of the first round: enough to steer refinement
 
-// A link with less power than this part of `accuracy` times all emitted power is not refined for being near.
-constexpr double kLinkShare = 1e-4;
+// A link with less power than this part of `accuracy` times all emitted power is not refined for being near; the part is
+// lowered while such links carry too much light together.
+constexpr double kFirstShare = 1e-3, kLowered = 0.25;
+constexpr double kCoarse = 0.9;  // of `accuracy`: the residual is the other part
 
 template <int C>
 float component(const Rgb& v, std::size_t c) {
@@ -215,15 +217,19 @@ double largest_reflectance(const Scene& scene) {
     return most;
 }
 
-/// Fills counts by kind and says what share of `received` the coarse links carry.
-double count_links(const Nodes& nodes, const PlainLinks& set, const std::vector<float>& light, double received,
-                   LinkCounts& counts) {
+/// The share of `received` that coarse links carry.
+double coarse_share(const PlainLinks& set, const std::vector<float>& light, double received) {
     double coarse = 0;
-    for (const PlainLink& l : set.links) {
+    for (const PlainLink& l : set.links)
         if (l.kind == PlainKind::Coarse) coarse += double(l.exchange) * (double(light[l.a]) + double(light[l.b]));
-        ++(nodes[l.a].instance == nodes[l.b].instance ? counts.self : l.kind == PlainKind::Near ? counts.near : counts.far);
-    }
     return received > 0 ? coarse / received : 0.0;
+}
+
+LinkCounts count_links(const Nodes& nodes, const PlainLinks& set) {
+    LinkCounts counts;
+    for (const PlainLink& l : set.links)
+        ++(nodes[l.a].instance == nodes[l.b].instance ? counts.self : l.kind == PlainKind::Near ? counts.near : counts.far);
+    return counts;
 }
 
 template <int C>
@@ -239,26 +245,33 @@ Result<Solution> solve(const Scene& scene, const Plan& plan, const TransportOpti
     PlainLinks set(nodes);
     PlainLight<C> light(nodes);
     const bool bounces = plan.on("interreflection");
-    const double threshold = kLinkShare * options.accuracy * light.emitted(), most_reflected = largest_reflectance(scene);
+    const double most_reflected = largest_reflectance(scene);
+    const std::vector<float> emission = light.mean();
+    const auto sent = [&] { return bounces ? light.mean() : emission; };
+    bool fine = true;
+    double threshold = kFirstShare * options.accuracy * light.emitted(), coarse = 0;
     Solution solution;
     solution.accuracy = options.accuracy;
     for (int round = 0; round < kMostRounds; ++round) {
         tell("links", double(round) / kMostRounds);
-        const bool changed = refine(set, linker, light.mean(), threshold);
+        const bool changed = refine(set, linker, sent(), threshold);
         light.set_links(set.links);
         solution.seconds.links += seconds_since(start);
-        if (round > 1 && !changed) break;
+        if (round > 1 && !changed && fine) break;
 
         tell("iterate", double(round) / kMostRounds);
         start = Clock::now();
+        if (!bounces) light.extinguish();
         const int most = !bounces ? 1 : round == 0 ? kFirstSweeps : kMostSweeps;
         solution.residual = iterate(light, options.accuracy / 10, most_reflected, most, solution.iterations);
         solution.seconds.iterate += seconds_since(start);
         start = Clock::now();
-        if (!bounces) break;
+        coarse = coarse_share(set, sent(), light.received());
+        fine = coarse <= kCoarse * options.accuracy;
+        if (!fine) threshold *= kLowered;
     }
     if (!bounces) solution.residual = 0;  // one sweep is all there is
-    const double coarse = count_links(nodes, set, light.mean(), light.received(), solution.links);
+    solution.links = count_links(nodes, set);
     solution.links.bytes = set.links.size() * sizeof(PlainLink) + light.bytes();
     solution.rays = set.rays;
     solution.estimated_error = std::hypot(coarse, solution.residual);
