@@ -52,27 +52,32 @@ double largest_exchange(const Node& a, const Node& b) {
     return largest_share(a, b) * std::min(a.area * cap(rb, d - ra), b.area * cap(ra, d - rb));
 }
 
-struct Point {
-    Vec3 position, normal;
-    SceneTriangle on;
+struct Drawn {
+    std::uint32_t surface;
+    double rest;  // what of the random number is left, in [0, 1]
 };
 
-/// A point of a node from the unit square, even over its faces' area (that of the archive, before the transform).
-Point point_of(const Nodes& nodes, const EndAreas& areas, std::uint32_t id, double u, double v) {
-    std::uint32_t surface = id;
-    if (const Node& n = nodes[id]; !n.planar()) {
-        const auto range = nodes.faces(n);
-        const std::vector<double>& sum = areas.tables(n.instance).face_area_sum;
-        const double target = sum[range[0]] + u * (sum[range[1]] - sum[range[0]]);
-        const auto above = std::upper_bound(sum.begin() + range[0] + 1, sum.begin() + range[1], target);
-        const auto f = std::min(static_cast<std::uint32_t>(above - sum.begin() - 1), range[1] - 1);
-        const double width = sum[f + 1] - sum[f];
-        u = width > 0 ? std::clamp((target - sum[f]) / width, 0.0, 1.0) : 0.5;
-        surface = nodes.instance(n.instance).first_face + f;
-    }
-    const Node& n = nodes[surface];
-    const auto b = square_to_triangle(u, v);
-    return {triangle_point(nodes.corners(surface), b[0], b[1]), n.normal(), {n.instance, nodes.triangle_of(n)}};
+/// A face of a node by one random number, even over area (that of the archive, before the transform).
+Drawn draw_face(const Nodes& nodes, const EndAreas& areas, std::uint32_t id, double u) {
+    const Node& n = nodes[id];
+    if (n.planar()) return {id, u};
+    const auto range = nodes.faces(n);
+    const std::vector<double>& sum = areas.tables(n.instance).face_area_sum;
+    const double target = sum[range[0]] + u * (sum[range[1]] - sum[range[0]]);
+    const auto above = std::upper_bound(sum.begin() + range[0] + 1, sum.begin() + range[1], target);
+    const auto f = static_cast<std::uint32_t>(above - sum.begin() - 1);
+    const double width = sum[f + 1] - sum[f];
+    return {nodes.instance(n.instance).first_face + f, width > 0 ? std::clamp((target - sum[f]) / width, 0.0, 1.0) : 0.5};
+}
+
+Vec3 point_on(const Nodes& nodes, const Drawn& drawn, double v) {
+    const auto b = square_to_triangle(drawn.rest, v);
+    return triangle_point(nodes.corners(drawn.surface), b[0], b[1]);
+}
+
+/// Does all of `to` lie behind the face `from`?
+bool behind(const Node& from, const Node& to) {
+    return dot(from.area_vector, to.centre - from.centre) < -from.area * double(to.radius);
 }
 
 }  // namespace
@@ -132,12 +137,14 @@ PlainLinker::Visibility PlainLinker::visibility(std::uint32_t a, std::uint32_t b
     std::uint32_t open = 0;
     for (std::uint32_t k = 0; k < kMostDraws && v.rays < kRays; ++k) {
         const auto s = sobol4(k, seed);
-        const Point p = point_of(nodes_, areas_, a, double(s[0]), double(s[1]));
-        const Point q = point_of(nodes_, areas_, b, double(s[2]), double(s[3]));
-        const Vec3 w = q.position - p.position;
-        if (dot(p.normal, w) <= 0 || dot(q.normal, w) >= 0) continue;
+        const Drawn on_a = draw_face(nodes_, areas_, a, double(s[0])), on_b = draw_face(nodes_, areas_, b, double(s[2]));
+        const Node &fa = nodes_[on_a.surface], &fb = nodes_[on_b.surface];
+        if (behind(fa, fb) || behind(fb, fa)) continue;
+        const Vec3 p = point_on(nodes_, on_a, double(s[1])), q = point_on(nodes_, on_b, double(s[3])), w = q - p;
+        if (dot(fa.area_vector, w) <= 0 || dot(fb.area_vector, w) >= 0) continue;
         ++v.rays;
-        if (!rays_.occluded(p.position, q.position, p.on, q.on, candidates)) ++open;
+        if (!rays_.occluded(p, q, {fa.instance, nodes_.triangle_of(fa)}, {fb.instance, nodes_.triangle_of(fb)}, candidates))
+            ++open;
     }
     v.mean = v.rays > 0 ? double(open) / v.rays : 0.0;  // 0: no two points face one another
     return v;
@@ -148,7 +155,10 @@ PlainLinker::Verdict PlainLinker::by_disks(std::uint32_t a, std::uint32_t b, Pla
     const Node &na = nodes_[a], &nb = nodes_[b];
     const Vec3 between = nb.centre - na.centre;
     const double d = length(between);
+    // Where a coarse link would carry nothing its parts still may, once there is more light.
     Verdict v;
+    v.action = kind == PlainKind::Coarse ? Verdict::Action::Accept : Verdict::Action::Drop;
+    v.link = {a, b, 0, kind};
     if (!(d > 0)) return v;
     const Vec3 w = between / d;
     const End end_a = effective(na, nb, w), end_b = effective(nb, na, -w);
@@ -158,9 +168,8 @@ PlainLinker::Verdict PlainLinker::by_disks(std::uint32_t a, std::uint32_t b, Pla
         std::min(end_a.area * disk_to_disk(radius(end_a), radius(end_b)), largest_exchange(na, nb));
     const Visibility seen = visibility(a, b, end_a.own_counted, end_b.own_counted);
     v.rays = seen.rays;
-    v.link = {a, b, static_cast<float>(exchange * seen.mean), kind};
-    // A coarse link stays even if it carries nothing: its parts may, once there is more light.
-    if (kind == PlainKind::Coarse || v.link.exchange > 0) v.action = Verdict::Action::Accept;
+    v.link.exchange = static_cast<float>(exchange * seen.mean);
+    if (v.link.exchange > 0) v.action = Verdict::Action::Accept;
     return v;
 }
 

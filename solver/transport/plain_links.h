@@ -20,7 +20,7 @@ enum class PlainKind : std::uint8_t { Far, Near, Coarse };
 /// One link serves both directions: b receives exchange * B_a / A_b, a receives exchange * B_b / A_a.
 struct PlainLink {
     std::uint32_t a = 0, b = 0;
-    float exchange = 0;  // A F V, m^2
+    float exchange = 0;  // A F V, m^2; 0 only of a coarse link, whose parts may carry light yet
     PlainKind kind = PlainKind::Far;
 };
 

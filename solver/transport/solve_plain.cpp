@@ -1,6 +1,7 @@
 #include "solver/transport/solve_plain.h"
 
 #include <chrono>
+#include <ranges>
 
 #include "format/parallel.h"
 #include "solver/transport/plain_links.h"
@@ -48,14 +49,18 @@ class PlainLight {
 
     void set_links(const std::vector<PlainLink>& links) {
         first_.assign(nodes_.size() + 1, 0);
-        for (const PlainLink& l : links) ++first_[l.a + 1], ++first_[l.b + 1];
+        const auto carries = [](const PlainLink& l) { return l.exchange > 0; };
+        for (const PlainLink& l : links | std::views::filter(carries)) ++first_[l.a + 1], ++first_[l.b + 1];
         for (std::size_t n = 0; n < nodes_.size(); ++n) first_[n + 1] += first_[n];
         halves_.resize(first_.back());
         std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
         const auto add = [&](std::uint32_t to, std::uint32_t from, float exchange) {
             halves_[next[to]++] = {from, static_cast<float>(double(exchange) / nodes_[to].area)};
         };
-        for (const PlainLink& l : links) add(l.a, l.b, l.exchange), add(l.b, l.a, l.exchange);
+        for (const PlainLink& l : links | std::views::filter(carries)) {
+            add(l.a, l.b, l.exchange);
+            add(l.b, l.a, l.exchange);
+        }
     }
 
     /// One Jacobi sweep.
@@ -228,7 +233,8 @@ double coarse_share(const PlainLinks& set, const std::vector<float>& light, doub
 LinkCounts count_links(const Nodes& nodes, const PlainLinks& set) {
     LinkCounts counts;
     for (const PlainLink& l : set.links)
-        ++(nodes[l.a].instance == nodes[l.b].instance ? counts.self : l.kind == PlainKind::Near ? counts.near : counts.far);
+        if (l.exchange > 0)
+            ++(nodes[l.a].instance == nodes[l.b].instance ? counts.self : l.kind == PlainKind::Near ? counts.near : counts.far);
     return counts;
 }
 

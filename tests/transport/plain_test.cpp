@@ -42,10 +42,12 @@ Scene bust_under_a_lamp() {
 
 /// A closed room with a lamp, a ball and a box; made once.
 const Scene& furnished_room() {
-    static const Scene scene = make_scene({{turned_inside_out(make_box(4, 2.5, 4, 4, {0, 1.25, 0})), {}, {0.7, 0.6, 0.5}, {}, "room"},
-                       {make_quad(0.8, 0.8, false, 2), {kUpsideDown, {0, 2.49, 0}}, {}, {10, 10, 8}, "lamp"},
-                       {make_sphere(2, 0.4), translation({0.9, 0.401, -0.4}), {0.3, 0.5, 0.7}, {}, "ball"},
-                       {make_box(0.6, 0.8, 0.6, 3), translation({-0.5, 0.401, 0.3}), {0.8, 0.2, 0.2}, {}, "box"}}, coarse());
+    static const Scene scene = make_scene(
+        {{turned_inside_out(make_box(4, 2.5, 4, 4, {0, 1.25, 0})), {}, {0.7, 0.6, 0.5}, {}, "room"},
+         {make_quad(0.8, 0.8, false, 2), {kUpsideDown, {0, 2.49, 0}}, {}, {10, 10, 8}, "lamp"},
+         {make_sphere(2, 0.4), translation({0.9, 0.401, -0.4}), {0.3, 0.5, 0.7}, {}, "ball"},
+         {make_box(0.6, 0.8, 0.6, 3), translation({-0.5, 0.401, 0.3}), {0.8, 0.2, 0.2}, {}, "box"}},
+        coarse());
     return scene;
 }
 
@@ -156,7 +158,9 @@ TEST_CASE("plain: isotropic light is far worse than directional on a body lit fr
     // norm of the mean. The directional transport was asked for 0.1 of the whole scene; bodies may be twice as bad.
     const Scene scene = bust_under_a_lamp();
     const Solution truth = solve_by_paths(scene, 64), plain = solve(scene, 0.1), directional = solve_reusably(scene, 0.1);
-    const auto error = [&](const Solution& s) { return compare(scene.instances[0], s.instances[0], truth.instances[0]).error(); };
+    const auto error = [&](const Solution& s) {
+        return compare(scene.instances[0], s.instances[0], truth.instances[0]).error();
+    };
     INFO("plain " << error(plain) << ", directional " << error(directional));
     CHECK(error(plain) > 0.5);
     CHECK(error(plain) < 1.0);
