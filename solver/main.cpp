@@ -28,7 +28,7 @@ constexpr const char* kExamples =
 
 struct Arguments {
     std::filesystem::path scene, out, picture, radiosity, report;
-    std::string size = "960x540", method = "reusable", visibility = "auto", memory;
+    std::string size = "960x540", method = "reusable", transport, visibility = "auto", memory;
     std::optional<double> accuracy;
     std::uint32_t samples = 0;
     std::uint64_t seed = 1;
@@ -63,6 +63,9 @@ void declare_run(CLI::App& run, Arguments& a) {
     run.add_option("--accuracy", a.accuracy, "Relative error aimed at (default: the manifest's, or 0.02)")
         ->type_name("E");
     run.add_option("--method", a.method, "reusable or reference")->type_name("METHOD")->capture_default_str();
+    run.add_option("--transport", a.transport,
+                   "directional, or plain: alike in all directions, as in the paper (default: directional)")
+        ->type_name("HOW");
     run.add_option("--visibility", a.visibility, "auto, rays or none")->type_name("HOW")->capture_default_str();
     run.add_option("--samples", a.samples, "Paths per triangle (reference); 0: as --accuracy needs")->type_name("N");
     run.add_option("--seed", a.seed, "Seed of all random choices")->type_name("N")->capture_default_str();
@@ -80,6 +83,8 @@ Result<Job> job_of(const Arguments& a) {
     Job job;
     const auto method = parse_method(a.method);
     if (!method) return method.error();
+    const auto transport = parse_transport(a.transport.empty() ? "directional" : a.transport);
+    if (!transport) return transport.error();
     const auto visibility = parse_visibility(a.visibility);
     if (!visibility) return visibility.error();
     const auto size = parse_size(a.size);
@@ -93,6 +98,7 @@ Result<Job> job_of(const Arguments& a) {
         return Error{ErrorKind::Usage, "",
                      "--picture " + a.picture.string() + ": expected a name ending in .png or .exr", ""};
     job.solve = {*method, a.accuracy, *visibility, a.samples, a.seed, a.overrides};
+    if (!a.transport.empty()) job.solve.transport = *transport;
     job.picture.width = (*size)[0];
     job.picture.height = (*size)[1];
     job.memory = *memory;

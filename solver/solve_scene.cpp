@@ -5,6 +5,7 @@
 #include <string>
 
 #include "solver/study/reference.h"
+#include "solver/transport/solve_plain.h"
 
 namespace rro {
 namespace {
@@ -30,6 +31,7 @@ Error usage(std::string message) {
 
 /// The reference knows nothing but the whole truth.
 Status check_reference_options(const SolveOptions& options) {
+    if (options.transport) return usage("--transport is for --method reusable; the reference follows single paths of light");
     if (options.visibility == TransportOptions::Visibility::None)
         return usage("--visibility none is for --method reusable; the reference always traces rays");
     for (const char* effect : {"interreflection", "occlusion", "self"})
@@ -47,7 +49,8 @@ Result<Solution> solve_by_method(const Scene& scene, const Plan& plan, const Sol
     transport.accuracy = accuracy;
     transport.seed = options.seed;
     transport.visibility = options.visibility;
-    return solve_reusable(scene, plan, transport, progress);
+    const bool plain = options.transport == Transport::Plain;
+    return (plain ? solve_plain : solve_reusable)(scene, plan, transport, progress);
 }
 
 }  // namespace
@@ -58,6 +61,12 @@ Result<Method> parse_method(std::string_view name) {
     const std::string found = "--method " + std::string(name);
     if (name == "hierarchical") return usage(found + ": not supported by this version, expected reusable or reference");
     return usage(found + ": no such method, expected reusable or reference");
+}
+
+Result<Transport> parse_transport(std::string_view name) {
+    if (name == "directional") return Transport::Directional;
+    if (name == "plain") return Transport::Plain;
+    return usage("--transport " + std::string(name) + ": no such transport, expected directional or plain");
 }
 
 Result<TransportOptions::Visibility> parse_visibility(std::string_view name) {

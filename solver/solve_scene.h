@@ -18,6 +18,9 @@ namespace rro {
 
 enum class Method { Reusable, Reference };
 
+/// How the reusable method carries light: by direction, or alike in all directions as the paper does.
+enum class Transport { Directional, Plain };
+
 struct SolveOptions {
     Method method = Method::Reusable;
     std::optional<double> accuracy;  // relative error, in (0, 1]; beats the manifest's, which beats 0.02
@@ -25,10 +28,12 @@ struct SolveOptions {
     std::uint32_t samples = 0;  // per face, for the reference; 0: as many as the accuracy needs
     std::uint64_t seed = 1;
     EffectOverrides overrides;
+    std::optional<Transport> transport = {};  // for the reusable method only; directional where not given
 };
 
 /// errors   Usage: not a name of the contract, or not supported by this version (lists those that are)
 Result<Method> parse_method(std::string_view name);
+Result<Transport> parse_transport(std::string_view name);
 Result<TransportOptions::Visibility> parse_visibility(std::string_view name);
 
 /// Plans the effects and solves. What `overrides` take out of the radiometry has left the scene before (leave_out).

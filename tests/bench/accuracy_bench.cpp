@@ -1,6 +1,6 @@
-// Error and cost of the reusable method against the Monte Carlo reference, on one scene.
+// Error and cost of the reusable method, by either transport, against the Monte Carlo reference, on one scene.
 //
-//   accuracy_bench SCENE.json SAMPLES ACCURACY... [--reference-file FILE.csv]
+//   accuracy_bench SCENE.json SAMPLES ACCURACY... [--reference-file FILE.csv] [--transport directional|plain]
 //   e.g. samples/scenes/cornell.json 1024 0.1 0.05 0.02
 //
 // Error: area-weighted relative root mean square of reflected radiosity over all faces and channels; the reference's own
@@ -158,13 +158,16 @@ void print_row(const char* asked, const Scene& scene, const Solution& s, const S
 
 int main(int argc, char** argv) {
     std::vector<const char*> words;
-    std::string file;
+    std::string file, transport = "directional";
     for (int k = 1; k < argc; ++k) {
         if (std::string(argv[k]) == "--reference-file" && k + 1 < argc) file = argv[++k];
+        else if (std::string(argv[k]) == "--transport" && k + 1 < argc) transport = argv[++k];
         else words.push_back(argv[k]);
     }
-    if (words.size() < 3) {
-        std::fprintf(stderr, "usage: accuracy_bench SCENE.json SAMPLES ACCURACY... [--reference-file FILE.csv]\n");
+    const auto how = parse_transport(transport);
+    if (words.size() < 3 || !how) {
+        std::fprintf(stderr, "usage: accuracy_bench SCENE.json SAMPLES ACCURACY... [--reference-file FILE.csv] "
+                             "[--transport directional|plain]\n");
         return 2;
     }
     auto manifest = read_manifest(words[0]);
@@ -180,6 +183,7 @@ int main(int argc, char** argv) {
     for (std::size_t k = 2; k < words.size(); ++k) {
         SolveOptions options;
         options.accuracy = std::atof(words[k]);
+        options.transport = *how;
         double seconds = 0;
         const Solution s = timed(*scene, options, seconds);
         print_row(words[k], *scene, s, truth, seconds);

@@ -37,6 +37,14 @@ TEST_CASE("outputs are tried before the work", "[arguments]") {
     CHECK(check(folder / "room.json").error().kind == ErrorKind::Usage);
 }
 
+TEST_CASE("transports by name", "[arguments]") {
+    CHECK(*parse_transport("directional") == Transport::Directional);
+    CHECK(*parse_transport("plain") == Transport::Plain);
+    CHECK(parse_transport("fancy").error().kind == ErrorKind::Usage);
+    CHECK(parse_transport("fancy").error().message ==
+          "--transport fancy: no such transport, expected directional or plain");
+}
+
 TEST_CASE("methods and visibilities that are not built are named as such", "[arguments]") {
     CHECK(*parse_method("reference") == Method::Reference);
     CHECK(parse_method("hierarchical").error().message ==

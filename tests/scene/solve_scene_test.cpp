@@ -60,6 +60,11 @@ TEST_CASE("options that the method does not know are wrong usage", "[solve_scene
     SolveOptions parts{.method = Method::Reference, .accuracy = {}, .overrides = {}};
     parts.overrides.without = {"occlusion"};
     CHECK_THAT(message(parts), Contains("--without occlusion is for --method reusable"));
+    for (const Transport transport : {Transport::Directional, Transport::Plain}) {
+        SolveOptions carried{.method = Method::Reference, .accuracy = {}, .overrides = {}};
+        carried.transport = transport;
+        CHECK_THAT(message(carried), Contains("--transport is for --method reusable"));
+    }
     SolveOptions unknown;
     unknown.overrides.with = {"magic"};
     CHECK_THAT(message(unknown), Contains("no such effect"));
