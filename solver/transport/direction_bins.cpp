@@ -21,6 +21,15 @@ constexpr double kLeastError = 0.02, kUnmeasured = 0.1;
 
 constexpr std::size_t kLanes = 8;  // partial sums per loop: one AVX register of floats
 
+// Patches of at least so many faces receive one vector for all of them.
+constexpr std::uint32_t kFewFaces = 3;
+
+float total(const float (&lanes)[kLanes]) {
+    float sum = 0;
+    for (const float x : lanes) sum += x;
+    return sum;
+}
+
 }  // namespace
 
 Arrival translated(const Vec3& sum, double strength, double over_distance, const Vec3& offset) {
@@ -344,27 +353,59 @@ void DirectionBins<C>::push_terminal(std::uint32_t i, std::uint32_t t, EndMode m
     const float* ux = &sum[C * stride];
     const float* uy = ux + stride;
     const float* uz = uy + stride;
+    // Blocks of directions that light comes from.
+    thread_local std::vector<std::size_t> lit;
+    lit.clear();
+    for (std::size_t k = 0; k < stride; k += kLanes) {
+        float most = 0;
+        for (std::size_t c = 0; c < C; ++c)
+            for (std::size_t j = 0; j < kLanes; ++j) most = std::max(most, sum[c * stride + k + j]);
+        if (most > 0) lit.push_back(k);
+    }
     for (std::uint32_t p = cluster.first_patch; p < cluster.first_patch + cluster.patch_count; ++p) {
         const Patch& patch = data.patches[p];
         const float* visible = &tables.visibility[p * stride];
-        for (std::uint32_t f = patch.first_face; f < patch.first_face + patch.face_count; ++f) {
-            const Vec3 n = nodes_[in.first_face + f].normal();
-            const float nx = static_cast<float>(n.x), ny = static_cast<float>(n.y), nz = static_cast<float>(n.z);
-            float lanes[C][kLanes] = {};
-            for (std::size_t k = 0; k < stride; k += kLanes) {
-                float weight[kLanes];
-                for (std::size_t j = 0; j < kLanes; ++j) {
-                    const float cosine = nx * ux[k + j] + ny * uy[k + j] + nz * uz[k + j];
-                    weight[j] = std::max(0.0f, cosine) * (mode == EndMode::Outside ? visible[k + j] : 1.0f);
+        const auto weigh = [&](const Vec3& normal, std::size_t k, float* weight, bool cosines) {
+            const float nx = static_cast<float>(normal.x), ny = static_cast<float>(normal.y), nz = static_cast<float>(normal.z);
+            for (std::size_t j = 0; j < kLanes; ++j) {
+                const float cosine = nx * ux[k + j] + ny * uy[k + j] + nz * uz[k + j];
+                const float facing = cosines ? std::max(0.0f, cosine) : cosine > 0 ? 1.0f : 0.0f;
+                weight[j] = facing * (mode == EndMode::Outside ? visible[k + j] : 1.0f);
+            }
+        };
+        if (patch.face_count < kFewFaces) {
+            for (std::uint32_t f = patch.first_face; f < patch.first_face + patch.face_count; ++f) {
+                const Vec3 n = nodes_[in.first_face + f].normal();
+                float lanes[C][kLanes] = {};
+                for (const std::size_t k : lit) {
+                    float weight[kLanes];
+                    weigh(n, k, weight, true);
+                    for (std::size_t c = 0; c < C; ++c)
+                        for (std::size_t j = 0; j < kLanes; ++j) lanes[c][j] += weight[j] * sum[c * stride + k + j];
                 }
-                for (std::size_t c = 0; c < C; ++c)
-                    for (std::size_t j = 0; j < kLanes; ++j) lanes[c][j] += weight[j] * sum[c * stride + k + j];
+                for (std::size_t c = 0; c < C; ++c) irradiance[(in.first_face + f) * C + c] += total(lanes[c]);
             }
-            for (std::size_t c = 0; c < C; ++c) {
-                float e = 0;
-                for (std::size_t j = 0; j < kLanes; ++j) e += lanes[c][j];
-                irradiance[(in.first_face + f) * C + c] += e;
-            }
+            continue;
+        }
+        // Faces that look nearly one way share one irradiance vector and meet it with their own cosines.
+        float lanes[3 * C][kLanes] = {};
+        const Vec3 mean = nodes_[nodes_[in.first_face + patch.first_face].parent].normal();
+        for (const std::size_t k : lit) {
+            float weight[kLanes];
+            weigh(mean, k, weight, false);
+            for (std::size_t c = 0; c < C; ++c)
+                for (std::size_t j = 0; j < kLanes; ++j) {
+                    const float h = weight[j] * sum[c * stride + k + j];
+                    lanes[3 * c][j] += h * ux[k + j];
+                    lanes[3 * c + 1][j] += h * uy[k + j];
+                    lanes[3 * c + 2][j] += h * uz[k + j];
+                }
+        }
+        for (std::size_t c = 0; c < C; ++c) {
+            const Vec3 v{total(lanes[3 * c]), total(lanes[3 * c + 1]), total(lanes[3 * c + 2])};
+            for (std::uint32_t f = patch.first_face; f < patch.first_face + patch.face_count; ++f)
+                irradiance[(in.first_face + f) * C + c] +=
+                    static_cast<float>(std::max(0.0, dot(nodes_[in.first_face + f].normal(), v)));
         }
     }
 }

@@ -19,9 +19,9 @@ struct Pair {
     std::uint32_t stored = kNotStored;  // the smallest of the archive's pairs that holds it; pairs of one object only
 };
 
-/// One link serves both directions. base times pi is, per steradian and m^2... see EndMode. With w the direction between
-/// the centres and d their distance, base = transmittance / d^2 times, for every end that is no Bins node with tables,
-/// its visible projected area; between two ends without tables that is pi A F V.
+/// One link serves both directions. With w the direction between the centres and d their distance, base = transmittance /
+/// d^2 times the visible projected area of every end that has no bins of directions (bins hold their own). Between two
+/// ends without bins that is pi A F V, and where the exchange area A F V is known better, it is taken from there.
 struct Link {
     std::uint32_t a = 0, b = 0;
     float base_a = 0, base_b = 0;    // for light that a receives, that b receives; equal but for near pairs

@@ -15,6 +15,8 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 
 constexpr int kMostRounds = 9;
 constexpr int kMostSweeps = 1000;
+// Light that only steers refinement may be this part of the accuracy away from converged.
+constexpr double kSteering = 0.3;
 // Light of the first rounds only steers refinement: direct light, one bounce, then converged.
 constexpr int kDirectRounds = 1;
 // How much of the squared error one link may bring at first; later rounds learn it from the estimate.
@@ -136,9 +138,11 @@ Result<Solution> solve(const Scene& scene, const Plan& plan, const TransportOpti
     for (int round = 0; round < kMostRounds; ++round) {
         tell("links", double(round) / kMostRounds);
         start = Clock::now();
-        field.fill(guide);
-        // Before any light has been gathered: all emitted power spread evenly and reflected once.
-        if (round == 0 && area > 0) guide.reflected = emitted * emitted / area * 0.25;
+        if (round == 0) {
+            field.fill(guide);
+            // Before any light has been gathered: all emitted power spread evenly and reflected once.
+            if (area > 0) guide.reflected = emitted * emitted / area * 0.25;
+        }
         const std::size_t before = nodes.size(), links_before = set.links.size();
         const std::uint64_t rays_before = set.rays;
         refine(set, nodes, guide, builder);
@@ -153,7 +157,7 @@ Result<Solution> solve(const Scene& scene, const Plan& plan, const TransportOpti
         const bool changed = nodes.size() != before || set.links.size() != links_before || set.rays != rays_before;
         if (!bounces) field.extinguish();
         const int most = !bounces ? 1 : round < kDirectRounds ? 2 : kMostSweeps;
-        residual = iterate(field, options.accuracy / 10, largest_reflectance, most);
+        residual = iterate(field, kSteering * options.accuracy, largest_reflectance, most);
         if (!bounces) residual.relative = 0;  // one sweep is all there is
         solution.iterations += residual.sweeps;
         solution.seconds.iterate += seconds_since(start);
@@ -175,6 +179,12 @@ Result<Solution> solve(const Scene& scene, const Plan& plan, const TransportOpti
         if ((good || settled > kInstanceRounds) && !(changed && round < kDirectRounds + 1)) break;
     }
 
+    if (bounces && residual.relative > options.accuracy / 10) {
+        start = Clock::now();
+        residual = iterate(field, options.accuracy / 10, largest_reflectance, kMostSweeps);
+        solution.iterations += residual.sweeps;
+        solution.seconds.iterate += seconds_since(start);
+    }
     solution.residual = residual.relative;
     solution.estimated_error = std::hypot(error, residual.relative);
     solution.converged = solution.estimated_error <= options.accuracy;
