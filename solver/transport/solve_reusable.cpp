@@ -132,6 +132,7 @@ Result<Solution> solve(const Scene& scene, const Plan& plan, const TransportOpti
         area += nodes[nodes.root(i)].area;
     }
 
+    const double allowed = 0.99 * options.accuracy;  // a tenth is left to the iteration, added by squares
     double error = 0;
     int settled = 0;
     Residual residual;
@@ -168,14 +169,14 @@ Result<Solution> solve(const Scene& scene, const Plan& plan, const TransportOpti
         if (round < kDirectRounds) continue;
         bool good = true;
         for (std::size_t i = 0; i < guide.share.size(); ++i) {
-            const double over = std::min(options.accuracy / std::max(error, 1e-300),
-                                         kWorstInstance * options.accuracy / std::max(estimate.of_instance[i], 1e-300));
+            const double over = std::min(allowed / std::max(error, 1e-300),
+                                         kWorstInstance * allowed / std::max(estimate.of_instance[i], 1e-300));
             if (over >= 1) continue;
             good = false;
             guide.share[i] *= std::clamp(0.7 * over * over * over, 1.0 / 30, 0.7);
             guide.scene_share = std::min(guide.scene_share, guide.share[i]);
         }
-        if (error <= options.accuracy) ++settled;
+        if (error <= allowed) ++settled;
         if ((good || settled > kInstanceRounds) && !(changed && round < kDirectRounds + 1)) break;
     }
 
