@@ -194,6 +194,7 @@ ErrorEstimate estimate_error(const LinkSet& set, const Nodes& nodes, double grow
     for (const double p : power) all += p;
     for (std::size_t i = 0; i < count; ++i) {
         sum += error[i];
+        e.power_share.push_back(all > 0 ? power[i] / all : 0);
         e.of_instance.push_back(power[i] > kCountingShare * all ? std::sqrt(error[i] / light[i]) : 0);
     }
     e.whole = guide.reflected > 0 ? std::sqrt(sum / guide.reflected) : 0;

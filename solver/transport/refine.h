@@ -28,6 +28,7 @@ void refine(LinkSet& set, Nodes& nodes, Guide& guide, const LinkBuilder& builder
 struct ErrorEstimate {
     double whole = 0;
     std::vector<double> of_instance;
+    std::vector<double> power_share;  // [instances] of all reflected power
 };
 
 /// The errors that the links' own errors add up to; also leaves their sums per node in the guide. They agree in sign by

@@ -169,8 +169,11 @@ Result<Solution> solve(const Scene& scene, const Plan& plan, const TransportOpti
         if (round < kDirectRounds) continue;
         bool good = true;
         for (std::size_t i = 0; i < guide.share.size(); ++i) {
+            // Errors add up by their squares, to which a few bright spots may bring nearly everything; but what most of the
+            // light comes from is what is looked at, and so is held to the accuracy asked, too.
+            const double worse = std::min(kWorstInstance, 1 / std::sqrt(std::max(estimate.power_share[i], 1e-300)));
             const double over = std::min(allowed / std::max(error, 1e-300),
-                                         kWorstInstance * allowed / std::max(estimate.of_instance[i], 1e-300));
+                                         worse * allowed / std::max(estimate.of_instance[i], 1e-300));
             if (over >= 1) continue;
             good = false;
             guide.share[i] *= std::clamp(0.7 * over * over * over, 1.0 / 30, 0.7);
