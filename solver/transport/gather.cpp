@@ -240,9 +240,10 @@ void LightField<C>::push_instance(std::uint32_t i, Push what) {
     // What a surface inherits, added to what its own links bring.
     const auto add_inherited = [&](std::uint32_t id, const float* from) {
         constexpr float kClose = 0.5f;  // own links below that are no sign of something close; a row beyond 1 is noise
+        constexpr float kMost = 1.05f;  // rows that are a little above 1 are as many as those a little below
         float* e = &irradiance_[id * C];
         if (what == Push::BoundRows)
-            inherited_scale_[id] = e[0] > kClose && from[0] > 0 && e[0] + from[0] > 1 ? std::max(0.0f, 1 - e[0]) / from[0] : 1.0f;
+            inherited_scale_[id] = e[0] > kClose && from[0] > 0 && e[0] + from[0] > kMost ? std::max(0.0f, 1 - e[0]) / from[0] : 1.0f;
         const float scale = inherited_scale_.empty() ? 1.0f : inherited_scale_[id];
         for (std::size_t c = 0; c < C; ++c) e[c] += scale * from[c];
     };
