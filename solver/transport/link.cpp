@@ -23,6 +23,7 @@ constexpr double kStoredTouching = 0.6, kStoredDoubt = 0.4;
 // From this share of the distance on, an end counts as several points; what is left is this part of the difference that
 // they make, and of the second order that they do not see.
 constexpr double kOnePoint = 0.08, kLeftOver = 0.3;
+// Up to this share of the distance, ends whose mean lies below the other's horizon are dark to one another.
 constexpr double kSureOfHorizon = 0.2;
 // Where on a flat end its light comes from: first order.
 constexpr double kPlace = 0.5;  // of its relative variation times r / d
@@ -35,8 +36,6 @@ constexpr double kGradient = 1.0, kMeanTilt = 0.5;
 // The visible side of a solid lies nearer than its centre; measured on busts and chairs, 0.13 at d = 5 r.
 constexpr double kSolidSource = 0.5;     // of r / d
 constexpr double kSolidReceiver = 0.15;  // of r / d, after translation to sub-clusters
-// Least errors of tables, whatever the archive says: the radiosity that they are multiplied by varies, too.
-constexpr double kTableError = 0.03;
 // Flat ends need no table, so the error estimate alone may judge them from this many radii on.
 constexpr double kNearestFlat = 2;
 // Triangles this many times the sum of their radii apart need no kernel.
@@ -407,8 +406,8 @@ LinkBuilder::Quadrature LinkBuilder::by_points(std::uint32_t a, std::uint32_t b)
     return out;
 }
 
-// The mode and the errors of an end, r its radius over the distance. An end uses its whole object's tables where the other end lies outside the object and the tables are good enough for
-// the light that is at stake.
+// The mode and the errors of an end, r its radius over the distance. An end uses its whole object's tables where the other
+// end lies outside the object and the tables are good enough for the light that is at stake.
 LinkBuilder::End LinkBuilder::end_of(std::uint32_t id, std::uint32_t other, double r, const Projection& projection, double exchange,
                                      const Guide& guide) const {
     const Node &n = nodes_[id], &o = nodes_[other];
@@ -418,7 +417,7 @@ LinkBuilder::End LinkBuilder::end_of(std::uint32_t id, std::uint32_t other, doub
     if (n.group()) {
         end.mode = EndMode::Outside;
     } else if (n.instance != o.instance && areas_.has_outside(n) &&
-        !nodes_.scene().instances[n.instance].bounds.overlaps(o.box)) {
+               !nodes_.scene().instances[n.instance].bounds.overlaps(o.box)) {
         const TableError e = areas_.table_error(n, EndMode::Outside);
         const bool affordable = exact_tables(n) || std::max(harm(guide, nodes_, id, other, exchange * e.received),
                                                             harm(guide, nodes_, other, id, exchange * e.sent)) <= kAffordable;

@@ -10,25 +10,12 @@
 #include "solver/transport/transport.h"
 #include "tests/support/meshes.h"
 #include "tests/support/scenes.h"
+#include "tests/support/solutions.h"
 
 namespace rro::test {
 namespace {
 
 const Mat3 kUpsideDown{{Vec3{1, 0, 0}, Vec3{0, -1, 0}, Vec3{0, 0, -1}}};
-
-Solution solve(const Scene& scene, double accuracy) {
-    auto plan = plan_effects(scene, {});
-    REQUIRE(plan);
-    TransportOptions options;
-    options.accuracy = accuracy;
-    auto solution = solve_reusable(scene, *plan, options);
-    REQUIRE(solution);
-    return std::move(*solution);
-}
-
-double face_area(const Instance& instance, std::size_t f) {
-    return length(area_vector(instance.world_corners(instance.data().faces[f])));
-}
 
 /// Area-weighted relative root mean square difference of reflected radiosity.
 double difference(const Scene& scene, const Solution& x, const Solution& truth) {
@@ -148,7 +135,7 @@ TEST_CASE("a field of instances in groups agrees with the reference", "[transpor
     REQUIRE(truth);
     const double noise = truth->estimated_error;
     for (const double accuracy : {0.2, 0.1}) {
-        const Solution s = solve(scene, accuracy);
+        const Solution s = solve_reusably(scene, accuracy);
         const double error = std::sqrt(std::max(0.0, std::pow(difference(scene, s, *truth), 2) - noise * noise));
         INFO("asked " << accuracy << ", error " << error << ", estimate " << s.estimated_error << ", reference noise "
                       << noise << ", links " << s.links.total() << ", rays " << s.rays);
@@ -205,7 +192,7 @@ TEST_CASE("links grow with the number of instances, not with its square", "[tran
                 placings.push_back({0, translation({double(x), 0, double(z)}), {0.5, 0.5, 0.5}, {1, 1, 1},
                                     std::to_string(x) + " " + std::to_string(z)});
         const Scene scene = place({make_box(0.2, 0.2, 0.2)}, placings);
-        links.push_back(double(solve(scene, 0.5).links.total()));
+        links.push_back(double(solve_reusably(scene, 0.5).links.total()));
     }
     INFO(links[0] << ", " << links[1] << ", " << links[2]);
     // Four times the instances. All pairs would be sixteen times as many; the border, where partners lack, takes up less.
@@ -217,7 +204,7 @@ TEST_CASE("the number of threads and the order of instances do not change a bit"
     Scene scene = place(field_meshes(), field(6));
     const auto radiosities = [&](unsigned threads) {
         set_thread_count(threads);
-        const Solution s = solve(scene, 0.2);
+        const Solution s = solve_reusably(scene, 0.2);
         std::map<std::string, std::vector<Rgb>> out;
         for (std::size_t i = 0; i < scene.instances.size(); ++i) out[scene.instances[i].name] = s.instances[i].radiosity;
         return out;

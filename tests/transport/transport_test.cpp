@@ -7,25 +7,12 @@
 #include "solver/study/reference.h"
 #include "tests/support/meshes.h"
 #include "tests/support/scenes.h"
+#include "tests/support/solutions.h"
 
 namespace rro::test {
 namespace {
 
 const Mat3 kUpsideDown{{Vec3{1, 0, 0}, Vec3{0, -1, 0}, Vec3{0, 0, -1}}};
-
-Solution solve(const Scene& scene, double accuracy) {
-    auto plan = plan_effects(scene, {});
-    REQUIRE(plan);
-    TransportOptions options;
-    options.accuracy = accuracy;
-    auto solution = solve_reusable(scene, *plan, options);
-    REQUIRE(solution);
-    return std::move(*solution);
-}
-
-double face_area(const Instance& instance, std::size_t f) {
-    return length(area_vector(instance.world_corners(instance.data().faces[f])));
-}
 
 double mean_irradiance(const Scene& scene, const Solution& solution, std::size_t i) {
     double sum = 0, area = 0;
@@ -70,7 +57,7 @@ Scene furnished_room() {
 TEST_CASE("a closed room of equal walls settles at M / (1 - rho)", "[transport]") {
     for (const double rho : {0.0, 0.5, 0.9}) {
         const Scene scene = make_scene({{turned_inside_out(make_box(1, 2, 3)), {}, {rho, rho, rho}, {1, 1, 1}}});
-        const Solution s = solve(scene, 0.02);
+        const Solution s = solve_reusably(scene, 0.02);
         const double expected = 1 / (1 - rho);
         // Asked: 2 % of the reflected part root mean square, three times that for the worst triangle.
         for (const Rgb& b : s.instances[0].radiosity)
@@ -81,7 +68,7 @@ TEST_CASE("a closed room of equal walls settles at M / (1 - rho)", "[transport]"
 
 TEST_CASE("a sphere seen from inside is a furnace too", "[transport]") {
     const Scene scene = make_scene({{turned_inside_out(make_sphere(2)), {}, {0.5, 0.5, 0.5}, {1, 1, 1}}});
-    const Solution s = solve(scene, 0.03);
+    const Solution s = solve_reusably(scene, 0.03);
     for (const Rgb& b : s.instances[0].radiosity) CHECK(double(b.x) == Approx(2.0).margin(3 * 0.03));
 }
 
@@ -93,22 +80,22 @@ TEST_CASE("irradiance from an emitting square is its view factor", "[transport]"
     const double facing = 0.199824895698387;
     SECTION("unobstructed") {
         const Scene scene = make_scene({{quad, {}, half, none}, {quad, turned, none, one}});
-        CHECK(mean_irradiance(scene, solve(scene, 0.01), 0) == Approx(facing).epsilon(0.01));
+        CHECK(mean_irradiance(scene, solve_reusably(scene, 0.01), 0) == Approx(facing).epsilon(0.01));
     }
     SECTION("a square of side 1/2 midway blocks half of it") {
         const Scene scene = make_scene(
             {{quad, {}, half, none}, {quad, turned, none, one}, {make_quad(0.5, 0.5), translation({0, 0.5, 0}), none, none}});
-        CHECK(mean_irradiance(scene, solve(scene, 0.03), 0) == Approx(0.0995062945989848).epsilon(0.03));
+        CHECK(mean_irradiance(scene, solve_reusably(scene, 0.03), 0) == Approx(0.0995062945989848).epsilon(0.03));
     }
     SECTION("a mirrored instance receives on the same side") {
         Affine3 mirror;
         mirror.linear.rows[0] = {-1, 0, 0};
         const Scene scene = make_scene({{quad, mirror, half, none}, {quad, turned, none, one}});
-        CHECK(mean_irradiance(scene, solve(scene, 0.01), 0) == Approx(facing).epsilon(0.01));
+        CHECK(mean_irradiance(scene, solve_reusably(scene, 0.01), 0) == Approx(facing).epsilon(0.01));
     }
     SECTION("a back is black") {
         const Scene scene = make_scene({{quad, {}, half, none}, {quad, translation({0, 1, 0}), none, one}});
-        CHECK(mean_irradiance(scene, solve(scene, 0.01), 0) == 0);
+        CHECK(mean_irradiance(scene, solve_reusably(scene, 0.01), 0) == 0);
     }
     SECTION("all lengths times three change nothing") {
         const auto scaled = [](Affine3 m) {
@@ -117,7 +104,7 @@ TEST_CASE("irradiance from an emitting square is its view factor", "[transport]"
             return m;
         };
         const Scene scene = make_scene({{quad, scaled({}), half, none}, {quad, scaled(turned), none, one}});
-        CHECK(mean_irradiance(scene, solve(scene, 0.01), 0) == Approx(facing).epsilon(0.01));
+        CHECK(mean_irradiance(scene, solve_reusably(scene, 0.01), 0) == Approx(facing).epsilon(0.01));
     }
 }
 
@@ -128,7 +115,7 @@ TEST_CASE("a furnished room agrees with the reference", "[transport]") {
     const auto truth = solve_reference(scene, reference);
     REQUIRE(truth);
     for (const double accuracy : {0.1, 0.05}) {
-        const Solution s = solve(scene, accuracy);
+        const Solution s = solve_reusably(scene, accuracy);
         const double noise = truth->estimated_error;
         const double error = std::sqrt(std::max(0.0, std::pow(difference(scene, s, *truth), 2) - noise * noise));
         INFO("asked " << accuracy << ", error " << error << ", estimate " << s.estimated_error << ", reference noise "
@@ -185,7 +172,7 @@ TEST_CASE("the inside of deep objects agrees with the reference", "[transport]")
         REQUIRE(truth);
         const double noise = truth->estimated_error;
         for (const double accuracy : {0.1, 0.05}) {
-            const Solution s = solve(scene, accuracy);
+            const Solution s = solve_reusably(scene, accuracy);
             const double error = std::sqrt(std::max(0.0, std::pow(difference(scene, s, *truth), 2) - noise * noise));
             INFO(c.what << ": asked " << accuracy << ", error " << error << ", reference noise " << noise << ", links "
                         << s.links.total() << ", of them within objects " << s.links.self << ", rays " << s.rays);
@@ -206,7 +193,7 @@ TEST_CASE("effects that are switched off do not light anything", "[transport]") 
         REQUIRE(solution);
         return std::move(*solution);
     };
-    const Solution direct = without("interreflection"), full = solve(scene, 0.1);
+    const Solution direct = without("interreflection"), full = solve_reusably(scene, 0.1);
     CHECK(mean_irradiance(scene, direct, 0) > 0);
     CHECK(mean_irradiance(scene, direct, 0) < 0.7 * mean_irradiance(scene, full, 0));
     CHECK(without("occlusion").rays == 0);
@@ -218,7 +205,7 @@ TEST_CASE("the number of threads does not change a bit", "[transport]") {
     std::vector<Solution> solutions;
     for (const unsigned threads : {1u, 2u, 5u}) {
         set_thread_count(threads);
-        solutions.push_back(solve(scene, 0.1));
+        solutions.push_back(solve_reusably(scene, 0.1));
     }
     set_thread_count(0);
     for (std::size_t k = 1; k < solutions.size(); ++k)
