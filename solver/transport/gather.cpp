@@ -4,6 +4,7 @@
 #include <type_traits>
 
 #include "format/parallel.h"
+#include "solver/transport/flat_light.h"
 
 namespace rro {
 
@@ -15,29 +16,6 @@ template <int C>
 float component(const Rgb& rgb, std::size_t c) {
     static_assert(C == 1 || C == 3);
     return c == 0 ? rgb.x : c == 1 ? rgb.y : rgb.z;  // grey scenes carry equal components
-}
-
-// Change of irradiance over a flat receiver's positions, per unit of the light that arrives from u at distance d, 1/m:
-// that of the inverse square, of the receiver's cosine and, where the source is flat, of the source's cosine.
-Vec3 slope(const Node& receiver, const Node& source, const Vec3& u, double d) {
-    constexpr double kSoft = 0.5;
-    constexpr double kSteepest = 2;  // of 1 / d: beyond that a first order says nothing
-    const Vec3 n = receiver.normal();
-    if (!(d > 0) || arrival(receiver, u) != u) return {};
-    const double cosine = dot(n, u), r = double(source.radius) + double(receiver.radius);
-    Vec3 s = (u * (3 * cosine) - n) / d;
-    if (source.kind != NodeKind::Bins) {
-        const Vec3 m = source.normal();
-        const double leaving = -dot(m, u);
-        if (leaving > 0) {
-            const Vec3 q = m / leaving + u;
-            s += q * (cosine / (d * std::max(1.0, length(q) / kSteepest)));
-        }
-    }
-    s *= d * d / (d * d + kSoft * r * r);  // ends of some extent smooth it
-    // Nowhere on the receiver may this light fall below zero: others' light would be taken away.
-    const double fall = length(s) * double(receiver.radius);
-    return fall > cosine ? s * (cosine / fall) : s;
 }
 
 // One radiosity from the source, one irradiance for all of the receiver.

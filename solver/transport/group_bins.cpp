@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "format/parallel.h"
+#include "solver/transport/flat_light.h"
 
 namespace rro {
 
@@ -13,12 +14,6 @@ constexpr std::uint32_t kGrid = 12;   // the archives' default
 constexpr std::size_t kGrain = 16;    // groups per parallel chunk
 
 }  // namespace
-
-Vec3 arrival(const Node& flat, const Vec3& u) {
-    constexpr double kLowest = 0.15;
-    const Vec3 n = flat.normal();
-    return dot(n, u) >= kLowest ? u : n;
-}
 
 template <int C>
 GroupBins<C>::GroupBins(const Nodes& nodes, const EndAreas& areas)

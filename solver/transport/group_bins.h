@@ -12,10 +12,6 @@
 
 namespace rro {
 
-/// Irradiance vectors of flat nodes take light that comes from below this cosine to their normal as if along it: low
-/// light would change its share wildly with a small tilt of a face.
-Vec3 arrival(const Node& flat, const Vec3& u);
-
 /// Directional light state of all groups, for C channels.
 template <int C>
 class GroupBins {

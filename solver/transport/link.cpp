@@ -5,6 +5,7 @@
 
 #include "format/form_factor.h"
 #include "format/sample_points.h"
+#include "solver/transport/flat_light.h"
 
 namespace rro {
 
@@ -377,6 +378,23 @@ class Spots {
     std::size_t count_ = 0;
 };
 
+// How far the light of each point of a flat receiver lies from what vector and gradient tell, root mean square over its
+// area and relative to the mean. u: from the receiver to the source.
+double misfit(const Node& receiver, const Spots& spots, const std::array<double, kMostSpots>& exchange, const Node& source,
+              const Vec3& u, double d, double whole) {
+    if (receiver.kind != NodeKind::Flat || spots.end() - spots.begin() < 2 || !(whole > 0)) return 0;
+    const Vec3 along = arrival(receiver, u), gradient = slope(receiver, source, u, d);
+    const double per_area = whole / dot(receiver.area_vector, along);
+    double sum = 0;
+    for (const Spot& p : spots) {
+        if (!(p.area > 0)) continue;
+        const double cosine = dot(p.node->normal(), along) + dot(gradient, p.position - receiver.centre);
+        const double told = per_area * p.area * std::max(0.0, cosine);
+        sum += std::pow(exchange[static_cast<std::size_t>(&p - spots.begin())] - told, 2) / p.area;
+    }
+    return std::sqrt(sum * receiver.area) / whole;
+}
+
 }  // namespace
 
 LinkBuilder::Quadrature LinkBuilder::by_points(std::uint32_t a, std::uint32_t b) const {
@@ -399,8 +417,17 @@ LinkBuilder::Quadrature LinkBuilder::by_points(std::uint32_t a, std::uint32_t b)
     const auto count = [](const Spots& s) { return static_cast<double>(s.end() - s.begin()); };
     // Each point still stands for a part of some extent.
     const double fan_a = 0.5 * double(nb.radius) / (d * std::sqrt(count(at_b))), fan_b = 0.5 * double(na.radius) / (d * std::sqrt(count(at_a)));
+    std::array<double, kMostSpots> to_a{}, to_b{};
     for (const Spot& p : at_a)
-        for (const Spot& q : at_b) out.exchange += exchange(p, q, fan_a, fan_b);
+        for (const Spot& q : at_b) {
+            const double g = exchange(p, q, fan_a, fan_b);
+            to_a[static_cast<std::size_t>(&p - at_a.begin())] += g;
+            to_b[static_cast<std::size_t>(&q - at_b.begin())] += g;
+            out.exchange += g;
+        }
+    const Vec3 w = (nb.centre - na.centre) / d;
+    out.received_a = misfit(na, at_a, to_a, nb, w, d, out.exchange);
+    out.received_b = misfit(nb, at_b, to_b, na, -w, d, out.exchange);
     const Spot one{na.centre, na.area, &na}, other{nb.centre, nb.area, &nb};
     out.difference = std::abs(out.exchange - exchange(one, other, 0.5 * double(nb.radius) / d, 0.5 * double(na.radius) / d));
     return out;
@@ -470,16 +497,21 @@ Verdict LinkBuilder::judge_far(std::uint32_t a, std::uint32_t b, const Guide& gu
     const auto dark = [&] { return sure ? Verdict{} : split(a, b, ra >= rb); };
     if (project_a.area <= 0 || project_b.area <= 0) return dark();
     double g = project_a.area * project_b.area / (std::numbers::pi * d * d), points_error = 0;
+    double uneven_a = 0, uneven_b = 0;
     const bool by_centres = negligible || na.kind == NodeKind::Bins || nb.kind == NodeKind::Bins;
     if (!by_centres) {
         const Quadrature q = by_points(a, b);
         if (q.exchange <= 0) return dark();
         points_error = kLeftOver * q.difference / q.exchange;
+        uneven_a = q.received_a;
+        uneven_b = q.received_b;
         project_a.area *= q.exchange / g;  // so that their product is what the points say
         g = q.exchange;
     }
     g = std::min({g, na.area, nb.area});
-    const End end_a = end_of(a, b, ra / d, project_a, g, guide), end_b = end_of(b, a, rb / d, project_b, g, guide);
+    End end_a = end_of(a, b, ra / d, project_a, g, guide), end_b = end_of(b, a, rb / d, project_b, g, guide);
+    end_a.received = std::hypot(end_a.received, uneven_a);
+    end_b.received = std::hypot(end_b.received, uneven_b);
     const double low = by_centres ? std::hypot(end_a.horizon, end_b.horizon) : points_error;
     const double error_a = std::hypot(end_a.received, end_b.sent, low), error_b = std::hypot(end_b.received, end_a.sent, low);
     if (!negligible && harm_of(guide, o, g * error_a, g * error_b) > 1) {

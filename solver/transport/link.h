@@ -100,8 +100,11 @@ class LinkBuilder {
     bool exact_tables(const Node& n) const;
     /// Exchange area of two ends that are no Bins nodes, nothing between, by several points of each; and how much
     /// that differs from the one by their centres alone.
+    /// received_a, received_b: how far, relative to the mean, a flat end's irradiance at its points lies from what it
+    /// makes of the link's light (flat_light.h); root mean square.
     struct Quadrature {
         double exchange = 0, difference = 0;  // m^2
+        double received_a = 0, received_b = 0;
     };
     Quadrature by_points(std::uint32_t a, std::uint32_t b) const;
 

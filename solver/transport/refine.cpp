@@ -8,9 +8,6 @@ namespace rro {
 
 namespace {
 
-// Instances below this share of the reflected power do not count by themselves (contract: accuracy).
-constexpr double kCountingShare = 1e-3;
-
 constexpr std::size_t kBatch = 1 << 16;  // pairs judged at a time; bounds the memory of the verdicts
 constexpr std::size_t kGrain = 64;
 
@@ -195,7 +192,8 @@ ErrorEstimate estimate_error(const LinkSet& set, const Nodes& nodes, double grow
     for (std::size_t i = 0; i < count; ++i) {
         sum += error[i];
         e.power_share.push_back(all > 0 ? power[i] / all : 0);
-        e.of_instance.push_back(power[i] > kCountingShare * all ? std::sqrt(error[i] / light[i]) : 0);
+        e.weight.push_back(guide.reflected > 0 ? light[i] / guide.reflected : 0);
+        e.of_instance.push_back(light[i] > 0 ? std::sqrt(error[i] / light[i]) : 0);
     }
     e.whole = guide.reflected > 0 ? std::sqrt(sum / guide.reflected) : 0;
     return e;

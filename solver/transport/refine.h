@@ -23,11 +23,11 @@ struct LinkSet {
 /// on the number of threads.
 void refine(LinkSet& set, Nodes& nodes, Guide& guide, const LinkBuilder& builder);
 
-/// Relative errors of R (contract: accuracy): of the scene, and of each instance by itself (0 where it
-/// holds next to no light).
+/// Relative errors of R (contract: accuracy): of the scene, and of each instance by itself.
 struct ErrorEstimate {
     double whole = 0;
     std::vector<double> of_instance;
+    std::vector<double> weight;       // [instances] share of the scene's sum of A R^2
     std::vector<double> power_share;  // [instances] of all reflected power
 };
 

@@ -25,6 +25,10 @@ constexpr double kCoarseAccuracy = 0.3;
 // An instance by itself may be this many times worse than the scene.
 constexpr double kWorstInstance = 2;
 constexpr int kInstanceRounds = 1;  // for them alone
+// Instances below this share of the reflected power do not count by themselves (contract: accuracy).
+constexpr double kCountingShare = 1e-3;
+// Where a round of refinement shows that errors were larger than estimated, later estimates are raised by up to this.
+constexpr double kMostDoubt = 4;
 
 struct Residual {
     int sweeps = 0;
@@ -64,6 +68,44 @@ double amplification(const Scene& scene, const Nodes& nodes, const LightField<C>
     }
     return emitted > 0 ? std::max(1.0, all / emitted) : 1.0;
 }
+
+/// What rounds of refinement tell about the estimate: the light changes by about what it was wrong by before.
+class HindSight {
+  public:
+    /// Raises the estimate of every instance whose last one was too low, by as much.
+    template <int C>
+    void correct(ErrorEstimate& estimate, const Scene& scene, const Nodes& nodes, const LightField<C>& field) {
+        std::vector<float> reflected;
+        std::vector<double> change, square;
+        std::size_t k = 0;
+        for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
+            const InstanceNodes& in = nodes.instance(i);
+            double moved = 0, all = 0;
+            for (std::uint32_t f = 0; f < scene.instances[i].data().faces.size(); ++f)
+                for (std::size_t c = 0; c < C; ++c, ++k) {
+                    const std::uint32_t id = in.first_face + f;
+                    const double r = double(field.reflectance(id, c)) * double(field.irradiance()[id * C + c]);
+                    reflected.push_back(static_cast<float>(r));
+                    if (!reflected_.empty()) moved += nodes[id].area * std::pow(r - double(reflected_[k]), 2);
+                    all += nodes[id].area * r * r;
+                }
+            change.push_back(all > 0 ? std::sqrt(moved / all) : 0);
+        }
+        reflected_ = std::move(reflected);
+        const std::vector<double> before = std::exchange(estimate_, estimate.of_instance);
+        if (before.empty()) return;
+        double sum = 0;
+        for (std::size_t i = 0; i < change.size(); ++i) {
+            if (before[i] > 0) estimate.of_instance[i] *= std::clamp(change[i] / before[i], 1.0, kMostDoubt);
+            sum += estimate.weight[i] * std::pow(estimate.of_instance[i], 2);
+        }
+        estimate.whole = std::sqrt(sum);
+    }
+
+  private:
+    std::vector<float> reflected_;  // [faces * C] of all instances, as the last round left it
+    std::vector<double> estimate_;  // [instances] of the last round, as the links gave it
+};
 
 template <int C>
 void store(const Scene& scene, const Nodes& nodes, const LightField<C>& field, Solution& solution) {
@@ -136,6 +178,7 @@ Result<Solution> solve(const Scene& scene, const Plan& plan, const TransportOpti
     double error = 0;
     int settled = 0;
     Residual residual;
+    HindSight hind_sight;
     for (int round = 0; round < kMostRounds; ++round) {
         tell("links", double(round) / kMostRounds);
         start = Clock::now();
@@ -164,16 +207,18 @@ Result<Solution> solve(const Scene& scene, const Plan& plan, const TransportOpti
         solution.seconds.iterate += seconds_since(start);
 
         field.fill(guide);
-        const ErrorEstimate estimate = estimate_error(set, nodes, closed ? 1.0 : amplification(scene, nodes, field), guide);
+        ErrorEstimate estimate = estimate_error(set, nodes, closed ? 1.0 : amplification(scene, nodes, field), guide);
+        hind_sight.correct(estimate, scene, nodes, field);
         error = estimate.whole;
         if (round < kDirectRounds) continue;
         bool good = true;
         for (std::size_t i = 0; i < guide.share.size(); ++i) {
             // Errors add up by their squares, to which a few bright spots may bring nearly everything; but what most of the
             // light comes from is what is looked at, and so is held to the accuracy asked, too.
+            const bool counts = estimate.power_share[i] > kCountingShare;
             const double worse = std::min(kWorstInstance, 1 / std::sqrt(std::max(estimate.power_share[i], 1e-300)));
             const double over = std::min(allowed / std::max(error, 1e-300),
-                                         worse * allowed / std::max(estimate.of_instance[i], 1e-300));
+                                         counts ? worse * allowed / std::max(estimate.of_instance[i], 1e-300) : 1.0);
             if (over >= 1) continue;
             good = false;
             guide.share[i] *= std::clamp(0.7 * over * over * over, 1.0 / 30, 0.7);
