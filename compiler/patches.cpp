@@ -55,6 +55,9 @@ class Judge {
 
     bool all_fit(std::span<const std::uint32_t> faces) const {
         const Sums sums = sums_of(faces);
+        // Within a cone, areas add up to this at least; faces that look opposite ways add up to nothing at all.
+        constexpr double kRounding = 1e-9;
+        if (length(sums.area_vector) < (limits_.cone_cosine - kRounding) * sums.area) return false;
         const double least = limits_.cone_cosine * length(sums.area_vector);
         const Vec3 reflectance = sums.reflectance / sums.area;
         return std::all_of(faces.begin(), faces.end(),

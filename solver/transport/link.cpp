@@ -249,7 +249,7 @@ Verdict LinkBuilder::judge_stored(const Pair& pair, const SelfPair& stored, cons
         const double tilt = 1 - double(n.cone_cosine);
         const double mean = n.kind == NodeKind::Flat ? kGradient * std::min(r, 1.0) * (1 + std::min(r, 1.0)) + kMeanTilt * tilt : 1.0;
         const double directed = kSecondOrder * r * r + kTiltError * tilt;
-        if (n.kind != NodeKind::Flat || a == b || directed >= mean) return mean;
+        if (n.kind != NodeKind::Flat || !n.may_end() || a == b || directed >= mean) return mean;
         mode = EndMode::Inside;
         return directed;
     };
@@ -475,8 +475,8 @@ double LinkBuilder::most_harm(std::uint32_t to, std::uint32_t from, double gap, 
 
 Verdict LinkBuilder::judge_far(std::uint32_t a, std::uint32_t b, const Guide& guide, double own) const {
     const Node &na = nodes_[a], &nb = nodes_[b];
-    if (na.kind == NodeKind::Cluster) return split(a, b, true);
-    if (nb.kind == NodeKind::Cluster) return split(a, b, false);
+    if (!na.may_end()) return split(a, b, true);
+    if (!nb.may_end()) return split(a, b, false);
 
     const Vec3 between = nb.centre - na.centre;
     const double distance = length(between), ra = double(na.radius), rb = double(nb.radius);

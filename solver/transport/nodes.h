@@ -51,6 +51,8 @@ struct Node {
     /// for cosines in c - x .. c + x the mean is (c + x)^2 / 4x. 
     double mean_cosine(const Vec3& w, double fan = 0) const;
     bool planar() const { return kind == NodeKind::Surface; }
+    /// Can light be told to arrive at it, or to leave it, as a whole? Not where the normals of a patch add up to nothing.
+    bool may_end() const { return kind != NodeKind::Cluster && (kind != NodeKind::Flat || cone_cosine > -1); }
     bool group() const { return instance == kNoNode; }
 };
 

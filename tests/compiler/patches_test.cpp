@@ -84,6 +84,18 @@ TEST_CASE("materials and unlike textures part patches", "[compiler][patches]") {
     CHECK(make_patches(surface_of(mesh), limits).size() == 2);
 }
 
+TEST_CASE("scraps that look opposite ways do not share a patch", "[compiler][patches]") {
+    // A sliver of a plate: its two large sides are equal and opposite, so their normals add up to nothing.
+    const Mesh mesh = test::merged(test::make_box(10, 10, 10, 1), test::make_box(0.1, 0.1, 1e-4, 1, {8, 0, 0}));
+    const Surface surface = surface_of(mesh);
+    const PatchGroups groups = make_patches(surface, {1, 0.8, 0.1});
+    for (std::size_t p = 0; p < groups.size(); ++p) {
+        Vec3 sum;
+        for (const std::uint32_t f : groups.patch(p)) sum += surface.area_vector[f];
+        CHECK(length(sum) >= 0.8 * area_of(surface, groups.patch(p)) * (1 - 1e-9));
+    }
+}
+
 TEST_CASE("hundreds of blades on one edge are no trouble", "[compiler][patches]") {
     Mesh mesh = test::empty_mesh(false);
     mesh.positions = {{0, 0, 0}, {0, 1, 0}};

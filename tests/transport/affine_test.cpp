@@ -2,7 +2,6 @@
 #include <catch2/catch.hpp>
 
 #include <random>
-#include <filesystem>
 
 #include "tests/support/shapes.h"
 #include "tests/support/solutions.h"
@@ -104,11 +103,7 @@ void check_under_maps(const std::string& what, const Mesh& mesh, double strength
             same.instances.push_back(
                 renumbered(placed.instances[i].data(), a.instances[i], baked.instances[i].data()));
         const double difference = compare(baked, same, b).all.error(), allowed = a.estimated_error + b.estimated_error;
-        if (difference > allowed && getenv("DUMP")) {++apart;
-            const std::string dir=std::string("/tmp/af/")+what.substr(0,3)+std::to_string(k); std::filesystem::create_directories(dir);
-            const auto obj=[&](const Mesh& m,const std::string& n){FILE* f=fopen((dir+"/"+n+".obj").c_str(),"w"); for(auto&p:m.positions)fprintf(f,"v %.17g %.17g %.17g\n",p.x,p.y,p.z); for(auto&t:m.triangles)fprintf(f,"f %u %u %u\n",t[0]+1,t[1]+1,t[2]+1);fclose(f);};
-            obj(transformed(mesh,map),"obj");obj(transformed(floor,map),"floor");obj(transformed(panel,map),"panel");
-        }
+        if (difference > allowed) ++apart;
         if (difference / allowed > furthest) {
             furthest = difference / allowed;
             where = "map " + std::to_string(k) + " (" + described(map) + "): difference " + std::to_string(difference) +
