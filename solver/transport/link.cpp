@@ -41,9 +41,12 @@ constexpr double kSolidReceiver = 0.15;  // of r / d, after translation to sub-c
 constexpr double kNearestFlat = 2;
 // Triangles this many times the sum of their radii apart need no kernel.
 constexpr double kFarTriangles = 4;
-// How much a light gradient within one face counts: it does not move the face's mean.
-constexpr double kWithinFace = 0.1;
-// The same for the edge of a shadow.
+// How much a light gradient within one face counts: it does not move the face's mean, but what the face sends on; and
+// between faces that nearly touch, where it never ends.
+constexpr double kOverFace = 0.3, kWithinFace = 0.1;
+// Within an object, parts that are lit alike see one another best: their errors agree in sign.
+constexpr double kAlike = 2;
+// A gradient within one face, for the edge of a shadow.
 constexpr double kShadowWithinFace = 0.12;
 // A pair whose whole light would do this part of a link's harm is taken as it is.
 constexpr double kNegligible = 0.25;
@@ -245,7 +248,7 @@ Verdict LinkBuilder::judge_stored(const Pair& pair, const SelfPair& stored, cons
     Offer o{a, b, EndMode::Mean, EndMode::Mean};
     // Flat ends receive by direction where that leaves less error than one mean for all faces.
     const auto received = [&](const Node& n, double r, EndMode& mode) {
-        if (n.kind == NodeKind::Surface) return kWithinFace * std::min(r, 1.0);
+        if (n.kind == NodeKind::Surface) return kOverFace * std::min(r, 1.0);
         const double tilt = 1 - double(n.cone_cosine);
         const double mean = n.kind == NodeKind::Flat ? kGradient * std::min(r, 1.0) * (1 + std::min(r, 1.0)) + kMeanTilt * tilt : 1.0;
         const double directed = kSecondOrder * r * r + kTiltError * tilt;
@@ -259,8 +262,8 @@ Verdict LinkBuilder::judge_stored(const Pair& pair, const SelfPair& stored, cons
     const bool touching = near_a + near_b > kStoredTouching;  // few of the lines decide
     const double doubt = touching && own < 1 ? kStoredDoubt : kStoredVisibility * std::sqrt(likely * (1 - likely));
     const double known = scale * scale * double(stored.unoccluded) * std::hypot(kStoredExchange * own, doubt);
-    const double error_a = std::hypot(received(na, near_a, o.mode_a), sent_as_one(b, near_b, guide), shadow * shadow_share(na));
-    const double error_b = std::hypot(received(nb, near_b, o.mode_b), sent_as_one(a, near_a, guide), shadow * shadow_share(nb));
+    const double error_a = std::hypot(received(na, near_a, o.mode_a), kAlike * sent_as_one(b, near_b, guide), shadow * shadow_share(na));
+    const double error_b = std::hypot(received(nb, near_b, o.mode_b), kAlike * sent_as_one(a, near_a, guide), shadow * shadow_share(nb));
     o.error_a = std::hypot(g * error_a, known);
     o.error_b = a == b ? 0 : std::hypot(g * error_b, known);
     const double bad = harm_of(guide, o, o.error_a, o.error_b);
@@ -456,7 +459,7 @@ LinkBuilder::End LinkBuilder::end_of(std::uint32_t id, std::uint32_t other, doub
         end.received = std::hypot(kSolidReceiver * r, tables.received);
         end.sent = std::hypot(kSolidSource * r, tables.sent);
     } else {
-        end.received = n.kind == NodeKind::Surface ? kWithinFace * r + kLeftOver * kCurvature * r * r
+        end.received = n.kind == NodeKind::Surface ? kOverFace * r + kLeftOver * kCurvature * r * r
                                                    : std::hypot(kSecondOrder * r * r + kTiltError * (1 - double(n.cone_cosine)), tables.received);
         end.sent = std::hypot(sent_as_one(id, r, guide), tables.sent);
     }
