@@ -156,17 +156,20 @@ ErrorEstimate estimate_error(const LinkSet& set, const Nodes& nodes, double grow
     // Errors of E that links bring to each node, added by squares and plainly; then down to the leaves (children follow
     // their parents).
     std::vector<double> squares(nodes.size(), 0), plain(nodes.size(), 0), below(nodes.size(), 0);
+    const std::size_t count = nodes.scene().instances.size();
+    std::vector<double> fourth(count, 0);  // what each link adds to the squared error, squared
     const auto add = [&](std::uint32_t to, std::uint32_t from, double error, double noise) {
         if (!(nodes[to].area > 0)) return;
         const double per = double(guide.radiosity[from]) / nodes[to].area;
         squares[to] += per * per * (error * error + noise * noise);
         plain[to] += per * error;
+        const double one = nodes[to].area * std::pow(double(guide.reflectance[to]) * per, 2) * (error * error + noise * noise);
+        if (!nodes[to].group()) fourth[nodes[to].instance] += one * one;
     };
     for (const Link& l : set.links) {
         add(l.a, l.b, double(l.error_a), double(l.noise));
         if (l.a != l.b) add(l.b, l.a, double(l.error_b), double(l.noise));
     }
-    const std::size_t count = nodes.scene().instances.size();
     std::vector<double> error(count, 0), light(count, 0), power(count, 0);
     for (std::uint32_t n = 0; n < nodes.size(); ++n) {
         const Node& node = nodes[n];
@@ -190,6 +193,7 @@ ErrorEstimate estimate_error(const LinkSet& set, const Nodes& nodes, double grow
     double sum = 0, all = 0;
     for (const double p : power) all += p;
     for (std::size_t i = 0; i < count; ++i) {
+        error[i] += std::sqrt(2 * fourth[i]);  // few large ones add up to their mean by chance only
         sum += error[i];
         e.power_share.push_back(all > 0 ? power[i] / all : 0);
         e.weight.push_back(guide.reflected > 0 ? light[i] / guide.reflected : 0);
