@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "compiler/direction_images.h"
 #include "format/form_factor.h"
@@ -35,7 +36,9 @@ constexpr double kSeparated = 2;
 // Patches nearer than this many radii, and of few faces, take the exact kernel.
 constexpr double kKernelRadii = 3;
 constexpr std::uint32_t kKernelFaces = 64;
-constexpr std::uint32_t kKernelPoints = 8;
+constexpr std::uint32_t kKernelPoints = 16;
+constexpr std::uint32_t kKernelLines = 4;  // from each point
+constexpr std::uint32_t kCandidates = 4;   // for the far end of each of these lines
 
 // Points on each cluster, evenly by area. Lines pair those of two clusters off, in several orders.
 constexpr std::uint32_t kPoints = 32;
@@ -196,9 +199,8 @@ class PairJudge {
         if (e.cone < 1e-6) return {};  // one plane, or several that look the same way
         if (!e.patch) return {PairStep::SplitSelf, 0, 0};
         if (e.end - e.begin == 1) return {};
-        Measured m = lines_of_link(cluster, cluster, e.area, patch_tolerance * std::sqrt(e.area * mean_area_));
-        if (e.end - e.begin <= kKernelFaces) m.exchange = kernel_exchange(e, e, mix64(cluster));
-        return link(m);
+        if (e.end - e.begin <= kKernelFaces) return link(near_by(e, e, mix64(cluster)));
+        return link(lines_of_link(cluster, cluster, e.area, patch_tolerance * std::sqrt(e.area * mean_area_)));
     }
 
     Verdict judge_two(std::uint32_t first, std::uint32_t second, double patch_tolerance) const {
@@ -225,27 +227,14 @@ class PairJudge {
             const double shadow = m.agree() ? std::min(v, 1 - v) : kShadowShare * std::sqrt(v * (1 - v));
             if (!negligible && m.exchange * std::hypot(v * shape, shadow) > tolerance) return {split, 0, 0};
         }
-        Measured m = lines_of_link(first, second, most, tolerance);
         if (a.patch && b.patch && distance < kKernelRadii * widest) {
             // Points on the smaller end see all of the larger one; points on the larger one would miss the smaller.
             const bool a_is_smaller = a.area < b.area;
             const End &points = a_is_smaller ? a : b, &polygons = a_is_smaller ? b : a;
             if (polygons.end - polygons.begin <= kKernelFaces)
-                m.exchange = kernel_exchange(points, polygons, mix64(std::uint64_t{first} << 32 | second));
+                return link(near_by(points, polygons, mix64(std::uint64_t{first} << 32 | second)));
         }
-        return link(m);
-    }
-
-    /// Exchange area with nothing between, by the contour formula from points of one end to all faces of the other.
-    double kernel_exchange(const End& points, const End& polygons, std::uint64_t seed) const {
-        double sum = 0;
-        for (std::uint32_t k = 0; k < kKernelPoints; ++k) {
-            const auto s = sobol4(k, seed);
-            const auto p = sampler_.point(points.begin, points.end, double(s[0]), double(s[1]));
-            for (std::uint32_t f = polygons.begin; f < polygons.end; ++f)
-                sum += point_to_triangle(p.position, p.normal, sampler_.corners(object_.faces[f]));
-        }
-        return sum / kKernelPoints * points.area;
+        return link(lines_of_link(first, second, most, tolerance));
     }
 
     /// What lines between two ends say.
@@ -254,7 +243,7 @@ class PairJudge {
         double seen = 0, unoccluded = 0;  // sums of the lines' weights
         std::uint32_t lines = 0, open = 0;
 
-        double visibility() const { return unoccluded > 0 ? seen / unoccluded : 0; }
+        double visibility() const { return unoccluded > 0 ? seen / unoccluded : 1; }
         double share() const { return (open + 1.0) / (lines + 2.0); }
         bool agree() const { return open == 0 || open == lines; }
     };
@@ -267,6 +256,56 @@ class PairJudge {
         const double deserved = std::pow(0.5 * exchange / (kVisibilityShare * tolerance), 2);
         const auto count = static_cast<std::uint32_t>(std::clamp(deserved, double(kFewestLines), double(kMostLines)));
         return traced(lines_of(first, second, kPoints, (count + kFewestLines - 1) / kFewestLines * kFewestLines));
+    }
+
+    /// Patches that nearly touch: the contour formula from points of one end to all faces of the other, and from each
+    /// point lines that are as many to a face as it sends light there.
+    Measured near_by(const End& points, const End& polygons, std::uint64_t seed) const {
+        Measured m;
+        std::array<double, kKernelFaces> sum{};  // running, over the faces
+        const std::uint32_t count = polygons.end - polygons.begin;
+        for (std::uint32_t k = 0; k < kKernelPoints; ++k) {
+            const auto s = sobol4(k, seed);
+            const auto p = sampler_.point(points.begin, points.end, double(s[0]), double(s[1]));
+            double all = 0;
+            for (std::uint32_t f = 0; f < count; ++f)
+                sum[f] = all += point_to_triangle(p.position, p.normal, sampler_.corners(object_.faces[polygons.begin + f]));
+            m.exchange += all / kKernelPoints * points.area;
+            for (std::uint32_t j = 0; j < kKernelLines && all > 0; ++j) {
+                const double target = (j + double(s[2])) / kKernelLines * all;
+                auto f = static_cast<std::uint32_t>(std::upper_bound(sum.begin(), sum.begin() + count, target) - sum.begin());
+                f = polygons.begin + std::min(f, count - 1);
+                const auto line = line_to(p, f, mix64(seed + k * kKernelLines + j), double(s[3]));
+                if (!line) continue;
+                ++m.lines;
+                m.unoccluded += all;
+                if (rays_.occluded(*line)) continue;
+                m.seen += all;
+                ++m.open;
+            }
+        }
+        return m;
+    }
+
+    /// A line from a point to a face, to one of a few candidates there by how much light goes that way (resampled
+    /// importance sampling; Talbot et al. 2005); nothing where no candidate is in front.
+    std::optional<ObjectRay> line_to(const FaceSampler::Point& p, std::uint32_t face, std::uint64_t seed, double choice) const {
+        std::array<Vec3, kCandidates> w;
+        std::array<double, kCandidates> sum;
+        double all = 0;
+        for (std::uint32_t c = 0; c < kCandidates; ++c) {
+            const auto s = sobol4(c, seed);
+            const auto q = sampler_.point(face, face + 1, double(s[0]), double(s[1]));
+            w[c] = q.position - p.position;
+            const double d2 = length2(w[c]), out = dot(p.normal, w[c]), in = -dot(q.normal, w[c]);
+            if (out > 0 && in > 0) all += out * in / (d2 * d2);
+            sum[c] = all;
+        }
+        if (!(all > 0)) return std::nullopt;
+        const auto chosen = static_cast<std::size_t>(std::upper_bound(sum.begin(), sum.end() - 1, choice * all) - sum.begin());
+        const double margin = double(kLineMargin) + double(rounding_) / length(w[chosen]);
+        if (!(margin < 0.5)) return std::nullopt;
+        return ObjectRay{to_float(p.position), to_float(w[chosen]), static_cast<float>(margin), static_cast<float>(1 - margin)};
     }
 
     /// Lines of a pair that leave both fronts, and their share of the exchange each.
