@@ -54,6 +54,8 @@ constexpr double kNegligible = 0.25;
 constexpr double kAffordable = 0.5;
 // What rays may leave undecided, as a part of a link's harm.
 constexpr double kNoiseShare = 0.5;
+// What a table calls hidden may be seen through a gap between its directions.
+constexpr double kMissedGap = 0.1;
 // Light within a node is left out, not approximated, so it must be this much less harmful.
 constexpr double kDarkSelf = 0.01;
 
@@ -529,14 +531,15 @@ Verdict LinkBuilder::judge_far(std::uint32_t a, std::uint32_t b, const Guide& gu
     // What an end hides of itself is part of what its object hides.
     const double share_a = own >= 0 ? 1 : areas_.visible_share(na, w, end_a.mode);
     const double share_b = own >= 0 ? 1 : areas_.visible_share(nb, -w, end_b.mode);
-    if (share_a <= 0 || share_b <= 0) return {};
     // One share for all of an end: which of its faces are hidden is known to Bins outside alone.
     const auto hidden = [&](const Node& n, EndMode mode, double share) {
-        return n.kind == NodeKind::Bins && mode == EndMode::Outside ? 0.0 : std::sqrt(std::max(0.0, share * (1 - share)));
+        if (n.kind == NodeKind::Surface || (n.kind == NodeKind::Bins && mode == EndMode::Outside)) return 0.0;
+        return std::hypot(std::sqrt(std::max(0.0, share * (1 - share))), kMissedGap * std::max(0.0, 1 - share));
     };
     const double hidden_a = hidden(na, end_a.mode, share_a), hidden_b = hidden(nb, end_b.mode, share_b);
     if (!negligible && harm_of(guide, o, g * hidden_a, g * hidden_b) > 1)
         return split(a, b, harm(guide, nodes_, a, b, g * hidden_a) >= harm(guide, nodes_, b, a, g * hidden_b));
+    if (share_a <= 0 || share_b <= 0) return {};
 
     // Bins hold their own projection and, outside, their own visibility.
     const auto strength = [](const Node& n, const End& end, double share) {
@@ -551,8 +554,8 @@ Verdict LinkBuilder::judge_far(std::uint32_t a, std::uint32_t b, const Guide& gu
     o.base_a = o.base_b = strength(na, end_a, share_a) * strength(nb, end_b, share_b) / (d * d);
     // A negligible pair may be too near for any of this.
     const double unknown = negligible && distance < 2 * std::max(ra, rb) ? 1.0 : 0.0;
-    o.error_a = o.exchange * std::hypot(error_a, hidden_a, unknown);
-    o.error_b = o.exchange * std::hypot(error_b, hidden_b, unknown);
+    o.error_a = std::hypot(o.exchange * std::hypot(error_a, unknown), g * hidden_a);
+    o.error_b = std::hypot(o.exchange * std::hypot(error_b, unknown), g * hidden_b);
     return settle(o, guide);
 }
 
