@@ -41,6 +41,19 @@ Status check_reference_options(const SolveOptions& options) {
     return Done{};
 }
 
+// What the reusable method has no pass for yet. (Light groups are: it solves for their sum.)
+constexpr const char* kNotReusableYet[] = {"sky", "sun", "lights", "transmission", "medium"};
+
+Status check_reusable_options(const Plan& plan, const SolveOptions& options) {
+    if (options.samples > 0)
+        return usage("--samples is for --method reference; the reusable method takes what --accuracy needs");
+    for (const char* effect : kNotReusableYet)
+        if (plan.on(effect))
+            return Error{ErrorKind::Usage, "", std::string(effect) + ": --method reusable does not support it in this version",
+                         std::string("use --method reference, or leave it out with --without ") + effect};
+    return Done{};
+}
+
 Result<Solution> solve_by_method(const Scene& scene, const Plan& plan, const SolveOptions& options, double accuracy,
                                  const Progress& progress) {
     if (options.method == Method::Reference)
@@ -86,8 +99,8 @@ Result<Solution> solve_scene(const Scene& scene, const SolveOptions& options, co
     if (!plan) return plan.error();
     if (options.method == Method::Reference)
         if (auto fits = check_reference_options(options); !fits) return fits.error();
-    if (options.method == Method::Reusable && options.samples > 0)
-        return usage("--samples is for --method reference; the reusable method takes what --accuracy needs");
+    if (options.method == Method::Reusable)
+        if (auto fits = check_reusable_options(*plan, options); !fits) return fits.error();
     const double plan_seconds = seconds_since(start);
 
     const double accuracy = options.accuracy.value_or(scene.manifest.accuracy.value_or(kDefaultAccuracy));
