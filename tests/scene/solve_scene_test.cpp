@@ -42,6 +42,17 @@ TEST_CASE("a solution carries the effects and the plan's warnings", "[solve_scen
     CHECK(solution.seconds.total >= solution.seconds.plan);
 }
 
+TEST_CASE("effects that only the reference has are wrong usage for the reusable method", "[solve_scene]") {
+    SceneFiles files;
+    const Scene scene = files.open(files.instances(kBox, R"(, "sky": {"radiance": [1, 1, 1]})"));
+    const auto refused = solve_scene(scene, {});
+    REQUIRE_FALSE(refused);
+    CHECK(refused.error().kind == ErrorKind::Usage);
+    CHECK(refused.error().message == "sky: --method reusable does not support it in this version");
+    const SolveOptions reference{.method = Method::Reference, .accuracy = {}, .samples = 4, .overrides = {}};
+    CHECK(solved(scene, reference).energy.emitted.x > 0);
+}
+
 TEST_CASE("options that the method does not know are wrong usage", "[solve_scene]") {
     SceneFiles files;
     const Scene scene = files.open(files.instances(kBox));
