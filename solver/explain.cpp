@@ -80,6 +80,7 @@ std::string explain_json(const Scene& scene, const Plan& plan, const Outlook& o)
     const json document = {{"instances", scene.instances.size()}, {"archives", scene.objects.size()},
                            {"triangles", scene.triangle_count()}, {"channels", plan.channels},
                            {"memory_bytes", o.memory},            {"accuracy", o.accuracy},
+                           {"threads", thread_count()},
                            {"predicted", work_json(o.work)},      {"effects", effects},
                            {"warnings", plan.warnings}};
     return document.dump(2, ' ', false, json::error_handler_t::replace) + "\n";

@@ -1,8 +1,8 @@
 // Pictures of measured light: Radiance .hdr and OpenEXR, as skies.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -37,6 +37,10 @@ class SkyRows {
     std::vector<double> weights_;  // solid angles, as sums_
 };
 inline constexpr int kSkyWidth = 2048, kSkyHeight = 1024;
+
+// Of pictures that are read. The largest skies published have 24576 x 12288 pixels.
+inline constexpr int kMostSkySide = 1 << 16;
+inline constexpr std::int64_t kMostSkyPixels = std::int64_t{1} << 29;
 
 /// errors   BadInput: neither of the two formats, broken, too large, not RGB or grey, a pixel that is no finite number
 Result<RadianceImage> read_sky_image(const std::filesystem::path& path);

@@ -11,7 +11,6 @@
 namespace rro {
 namespace {
 
-constexpr int kMostSide = 1 << 16;  // pixels; the largest skies published have 24576
 constexpr int kLeastRunWidth = 8, kMostRunWidth = 0x7fff;  // of rows whose channels are stored one after the other
 
 using Rgbe = std::array<std::uint8_t, 4>;
@@ -104,11 +103,12 @@ bool read_size(std::string_view line, Header& header) {
         if (!line.starts_with(prefix)) return false;
         line.remove_prefix(prefix.size());
         const auto [end, code] = std::from_chars(line.data(), line.data() + line.size(), value);
-        if (code != std::errc{} || value < 1 || value > kMostSide) return false;
+        if (code != std::errc{} || value < 1 || value > kMostSkySide) return false;
         line.remove_prefix(static_cast<std::size_t>(end - line.data()));
         return true;
     };
-    return take("-Y ", header.height) && take(" +X ", header.width) && line.empty();
+    return take("-Y ", header.height) && take(" +X ", header.width) && line.empty() &&
+           std::int64_t{header.width} * header.height <= kMostSkyPixels;
 }
 
 Result<Header> read_header(std::string_view& bytes, const std::string& name) {
@@ -138,7 +138,7 @@ Result<Header> read_header(std::string_view& bytes, const std::string& name) {
     } while (!line.empty());
     if (!next_line() || !read_size(line, header))
         return bad_input(name, "has the size \"" + std::string(line.substr(0, 60)) + "\", expected \"-Y height +X width\" with sides of 1 to " +
-                                   std::to_string(kMostSide) + " pixels");
+                                   std::to_string(kMostSkySide) + " pixels, " + std::to_string(kMostSkyPixels) + " in all");
     return header;
 }
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "solver/output/image_file.h"
 #include "solver/scene/radiance_image.h"
 #include "tests/scene/scene_files.h"
 
@@ -260,6 +261,26 @@ TEST_CASE("Radiance pictures: plain rows, runs of pixels, runs of channels, expo
     CHECK_THAT(error("#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n"), Contains("32-bit_rle_xyze"));
     CHECK_THAT(error(hdr("-Y 1 +X 9", row)), Contains("row 0 of 1 is broken or cut short"));
     CHECK_THAT(error("\x76\x2f\x31\x01 and then nothing"), Contains("is no OpenEXR picture that can be read"));
+}
+
+TEST_CASE("OpenEXR pictures are read as they were written, and refused where they are cut", "[lights][image]") {
+    std::vector<Rgb> pixels;
+    for (int i = 0; i < 6 * 4; ++i) pixels.push_back({float(i), 1e5f / float(i + 1), 0.25f});
+    const auto encoded = encode_exr(pixels, 6, 4);
+    REQUIRE(encoded);
+    const auto image = decode_sky_image(*encoded, "sky.exr");
+    if (!image) FAIL(image.error().message);
+    CHECK(image->width == 6);
+    CHECK(image->height == 4);
+    REQUIRE(image->pixels.size() == pixels.size());
+    for (std::size_t i = 0; i < pixels.size(); ++i)  // a mean of one pixel: float rounding
+        CHECK(length(to_double(image->pixels[i]) - to_double(pixels[i])) <= 1e-6 * length(to_double(pixels[i])));
+    for (std::size_t size = 0; size < encoded->size(); size += 7)
+        CHECK_FALSE(decode_sky_image(encoded->substr(0, size), "sky.exr"));
+    pixels[8].y = std::numeric_limits<float>::infinity();
+    const auto infinite = decode_sky_image(*encode_exr(pixels, 6, 4), "sky.exr");
+    REQUIRE_FALSE(infinite);
+    CHECK(text_of(infinite.error()) == "sky.exr: the pixel in column 2, row 1 is no finite number");
 }
 
 TEST_CASE("a large picture becomes means that keep its light", "[lights][image]") {
