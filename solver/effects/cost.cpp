@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <string>
+
+#include "solver/effects/shape.h"
 
 namespace rro {
 namespace {
@@ -19,11 +22,11 @@ constexpr double kBytesPerFaceAndChannel = 40;
 
 // Links between objects: so many per instance at a low accuracy, more for instances of many faces; from 0.1 on the
 // accuracy counts more and more.
-constexpr double kLinksPerInstance = 94, kFacesExponent = 0.4;
+constexpr double kLinksPerInstance = 80, kFacesExponent = 0.4;
 constexpr double kFineAccuracy = 0.09, kFineExponent = 2.4;
 
-// Links inside objects that see themselves: one per face at 0.1.
-constexpr double kSelfAccuracy = 0.1, kSelfExponent = 2.5;
+// Links inside objects that see themselves: so many per face at 0.1.
+constexpr double kSelfPerFace = 0.6, kSelfAccuracy = 0.1, kSelfExponent = 2.5;
 
 constexpr double kRaysPerLink = 3.5, kRayAccuracy = 0.12, kRayExponent = 0.9;
 constexpr double kSweeps = 8.5, kSweepAccuracy = 0.3, kSweepExponent = 0.5;
@@ -36,10 +39,13 @@ struct Counts {
 
 Counts counts(const Scene& scene) {
     Counts c;
+    std::map<const Object*, bool> sees_itself;  // looked at once each
     for (const Instance& instance : scene.instances) {
+        const auto [known, is_new] = sees_itself.emplace(instance.object, false);
+        if (is_new) known->second = !sees_nothing_of_itself(instance.data());
         const auto faces = static_cast<double>(instance.data().faces.size());
         c.faces += faces;
-        if (!instance.data().meta.convex) c.self_faces += faces;
+        if (known->second) c.self_faces += faces;
     }
     c.instances = static_cast<double>(scene.instances.size());
     return c;
@@ -52,7 +58,7 @@ double links_between(const Counts& c, double accuracy) {
 }
 
 double links_inside(const Counts& c, double accuracy) {
-    return c.self_faces * std::pow(kSelfAccuracy / accuracy, kSelfExponent);
+    return kSelfPerFace * c.self_faces * std::pow(kSelfAccuracy / accuracy, kSelfExponent);
 }
 
 Work work(double links, double rays, double bytes, double seconds) {
