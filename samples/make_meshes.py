@@ -8,7 +8,7 @@ from pathlib import Path
 
 sys.dont_write_bytecode = True  # the sources' folder stays clean
 
-from generate import bust, cornell, furniture, lamps, room, small_things
+from generate import bust, cornell, effects, furniture, lamps, room, small_things
 
 MESHES = Path(__file__).resolve().parent / "meshes"
 MATERIALS = "materials.mtl"
@@ -31,6 +31,14 @@ OBJECTS = {
     "ball": (small_things.beach_ball, "ball"),
     "vase": (small_things.vase, "vase"),
     "palm": (small_things.palm, "potted palm"),
+    "closed_room": (effects.closed_room, "closed room, 4 x 2.5 x 4 m, seen from inside"),
+    "window_room": (effects.window_room, "room with an open window, seen from inside"),
+    "courtyard": (effects.courtyard, "courtyard, 8 x 8 m, seen from inside"),
+    "long_hall": (effects.long_hall, "long hall, seen from inside"),
+    "pillar": (effects.pillar, "pillar"),
+    "pedestal": (effects.pedestal, "pedestal"),
+    "paper_shade": (effects.paper_shade, "lamp shade of paper, without thickness"),
+    "poster": (effects.Poster, "poster with a texture"),
 }
 
 REFLECTANCES = {  # linear RGB, as Kd
@@ -66,6 +74,8 @@ def main(names):
     for name in names or OBJECTS:
         build, title = OBJECTS[name]
         (MESHES / f"{name}.obj").write_text(build().obj_text(title, MATERIALS))
+    effects.write_poster_files(MESHES)
+    effects.write_downlight(MESHES.parent / "scenes")
 
 
 if __name__ == "__main__":

@@ -2,7 +2,6 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
-#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "format/parallel.h"
@@ -10,6 +9,7 @@
 #include "format/tool/program.h"
 #include "format/version.h"
 #include "solver/arguments.h"
+#include "solver/explain.h"
 #include "solver/output/output.h"
 #include "solver/solve_scene.h"
 
@@ -47,6 +47,8 @@ void declare_shared(CLI::App& command, Arguments& a) {
         ->type_name("EFFECT")
         ->allow_extra_args(false)
         ->delimiter(',');
+    command.add_option("--accuracy", a.accuracy, "Relative error aimed at (default: the manifest's, or 0.02)")
+        ->type_name("E");
     command.add_option("--threads", a.threads, "Threads to use; 0: all cores")->type_name("N");
     command.add_flag("--quiet,-q", a.quiet, "Print errors only");
     command.add_flag("--verbose,-v", a.verbose, "Print the effect plan and all warnings to stderr");
@@ -60,8 +62,6 @@ void declare_run(CLI::App& run, Arguments& a) {
     run.add_option("--size", a.size, "Pixels of the picture")->type_name("WxH")->capture_default_str();
     run.add_option("--radiosity", a.radiosity, "Radiosity per source triangle, W/m^2")->type_name("FILE.csv");
     run.add_option("--report", a.report, "What the solve did, as JSON")->type_name("FILE.json");
-    run.add_option("--accuracy", a.accuracy, "Relative error aimed at (default: the manifest's, or 0.02)")
-        ->type_name("E");
     run.add_option("--method", a.method, "reusable or reference")->type_name("METHOD")->capture_default_str();
     run.add_option("--transport", a.transport,
                    "directional, or plain: alike in all directions, as in the paper (default: directional)")
@@ -70,6 +70,12 @@ void declare_run(CLI::App& run, Arguments& a) {
     run.add_option("--samples", a.samples, "Paths per triangle (reference); 0: as --accuracy needs")->type_name("N");
     run.add_option("--seed", a.seed, "Seed of all random choices")->type_name("N")->capture_default_str();
     run.add_option("--memory", a.memory, "Most memory to use (default: 8G or ulimit -v)")->type_name("8G");
+}
+
+Status check_accuracy(const Arguments& a) {
+    if (a.accuracy && !(*a.accuracy > 0 && *a.accuracy <= 1))
+        return Error{ErrorKind::Usage, "", "--accuracy: expected a relative error above 0 and at most 1", ""};
+    return Done{};
 }
 
 /// The options of `run` as the pipeline takes them.
@@ -91,8 +97,7 @@ Result<Job> job_of(const Arguments& a) {
     if (!size) return size.error();
     const auto memory = a.memory.empty() ? Result<std::uint64_t>(default_memory()) : parse_bytes(a.memory);
     if (!memory) return memory.error();
-    if (a.accuracy && !(*a.accuracy > 0 && *a.accuracy <= 1))
-        return Error{ErrorKind::Usage, "", "--accuracy: expected a relative error above 0 and at most 1", ""};
+    if (auto good = check_accuracy(a); !good) return good.error();
     const std::string ending = a.picture.extension().string();
     if (!a.picture.empty() && ending != ".png" && ending != ".exr")
         return Error{ErrorKind::Usage, "",
@@ -175,14 +180,6 @@ Result<std::optional<double>> write_outputs(const Arguments& a, const Job& job, 
     return exposure;
 }
 
-std::string size_text(std::uint64_t bytes) {
-    char text[32];
-    const double mebibytes = static_cast<double>(bytes) / (1 << 20);
-    std::snprintf(text, sizeof text, mebibytes < 1024 ? "%.0f MiB" : "%.2f GiB",
-                  mebibytes < 1024 ? mebibytes : mebibytes / 1024);
-    return text;
-}
-
 int run(const Arguments& a) {
     const auto begun = std::chrono::steady_clock::now();
     const auto job = job_of(a);
@@ -217,30 +214,15 @@ int run(const Arguments& a) {
 }
 
 int explain(const Arguments& a) {
+    if (auto good = check_accuracy(a); !good) return report_error(kProgram, good.error());
     const auto scene = load(a, kGeometry);
     if (!scene) return report_error(kProgram, scene.error());
-    const auto plan = plan_effects(*scene, a.overrides);
+    auto plan = plan_effects(*scene, a.overrides);
     if (!plan) return report_error(kProgram, plan.error());
     if (!a.quiet)
         for (const std::string& warning : plan->warnings) report_warning(kProgram, warning);
-    const std::uint64_t memory = estimated_memory(*scene);
-    if (!a.json) {
-        std::printf("%zu instances of %zu archives, %zu triangles; %d channel%s; about %s of memory\n",
-                    scene->instances.size(), scene->objects.size(), scene->triangle_count(), plan->channels,
-                    plan->channels == 1 ? "" : "s", size_text(memory).c_str());
-        print_plan(stdout, plan->effects);
-        return 0;
-    }
-    nlohmann::json effects = nlohmann::json::array();
-    for (const EffectPlan& e : plan->effects) effects.push_back({{"name", e.name}, {"on", e.on}, {"reason", e.reason}});
-    const nlohmann::json document = {{"instances", scene->instances.size()},
-                                     {"archives", scene->objects.size()},
-                                     {"triangles", scene->triangle_count()},
-                                     {"channels", plan->channels},
-                                     {"memory_bytes", memory},
-                                     {"effects", effects},
-                                     {"warnings", plan->warnings}};
-    std::puts(document.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+    const Outlook expected = outlook(*scene, a.accuracy, *plan);
+    std::fputs((a.json ? explain_json : explain_text)(*scene, *plan, expected).c_str(), stdout);
     return 0;
 }
 
@@ -252,7 +234,7 @@ int main_with(int argc, char** argv) {
     app.footer(kExamples);
     CLI::App* run_command = app.add_subcommand("run", "Solve a scene and write the solution");
     declare_run(*run_command, arguments);
-    CLI::App* explain_command = app.add_subcommand("explain", "Tell which effects a scene calls for, and why");
+    CLI::App* explain_command = app.add_subcommand("explain", "Tell which effects a scene calls for, why, and what they will cost");
     declare_shared(*explain_command, arguments);
     explain_command->add_flag("--json", arguments.json, "As JSON");
     try {

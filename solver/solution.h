@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,12 +26,19 @@ struct InstanceSolution {
     std::vector<Element> elements;     // of the faces that were subdivided, ascending by face; other faces are whole
 };
 
+/// Work, predicted.
+struct Work {
+    std::uint64_t links = 0, rays = 0, bytes = 0;
+    double seconds = 0;  // wall clock
+};
+
 /// One line of the effect plan.
 struct EffectPlan {
     std::string name;      // contracts: emitters interreflection occlusion self colour ...
     bool on = false;
     std::string reason;
     double seconds = 0;    // actual work, after the solve
+    std::optional<Work> predicted = {};  // before it; none where there is no model of the work
 };
 
 struct PhaseSeconds {

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <string>
 
+#include "solver/effects/cost.h"
 #include "solver/study/reference.h"
 #include "solver/transport/solve_plain.h"
 
@@ -41,8 +42,37 @@ Status check_reference_options(const SolveOptions& options) {
     return Done{};
 }
 
+Status check_reusable_options(const Plan& plan, const SolveOptions& options) {
+    if (options.samples > 0)
+        return usage("--samples is for --method reference; the reusable method takes what --accuracy needs");
+    if (const auto lacking = reference_only(plan); !lacking.empty())
+        return Error{ErrorKind::Usage, "", lacking[0] + ": --method reusable does not support it in this version",
+                     "use --method reference, or leave it out with --without " + lacking[0]};
+    return Done{};
+}
+
+bool is_lit(const Plan& plan) {
+    return plan.on("emitters") || plan.on("sky") || plan.on("sun") || plan.on("lights");
+}
+
+/// No light: every result is 0, and exactly so.
+Solution dark_solution(const Scene& scene, const SolveOptions& options) {
+    Solution solution;
+    for (const Instance& instance : scene.instances) {
+        const std::vector<Rgb> zeros(instance.data().faces.size());
+        InstanceSolution& out = solution.instances.emplace_back();
+        out.radiosity = out.irradiance = zeros;
+        if (options.method == Method::Reference) out.standard_error = zeros;
+        solution.elements += zeros.size();
+    }
+    solution.converged = true;
+    solution.warnings.push_back("nothing gives light (no emitter, sky, sun or light): all results are exactly 0");
+    return solution;
+}
+
 Result<Solution> solve_by_method(const Scene& scene, const Plan& plan, const SolveOptions& options, double accuracy,
                                  const Progress& progress) {
+    if (!is_lit(plan)) return dark_solution(scene, options);
     if (options.method == Method::Reference)
         return solve_reference(scene, {accuracy, options.samples, options.seed}, progress);
     TransportOptions transport;
@@ -86,20 +116,34 @@ Result<Solution> solve_scene(const Scene& scene, const SolveOptions& options, co
     if (!plan) return plan.error();
     if (options.method == Method::Reference)
         if (auto fits = check_reference_options(options); !fits) return fits.error();
-    if (options.method == Method::Reusable && options.samples > 0)
-        return usage("--samples is for --method reference; the reusable method takes what --accuracy needs");
+    if (options.method == Method::Reusable)
+        if (auto fits = check_reusable_options(*plan, options); !fits) return fits.error();
     const double plan_seconds = seconds_since(start);
 
-    const double accuracy = options.accuracy.value_or(scene.manifest.accuracy.value_or(kDefaultAccuracy));
+    const double accuracy = accuracy_of(scene, options.accuracy);
     auto solved = solve_by_method(scene, *plan, options, accuracy, progress);
     if (!solved) return solved.error();
     Solution solution = std::move(*solved);
     solution.accuracy = accuracy;
-    if (solution.effects.empty()) solution.effects = plan->effects;
+    if (solution.effects.empty()) {
+        solution.effects = plan->effects;
+        if (options.method == Method::Reusable) account_seconds(solution);
+    }
     solution.warnings.insert(solution.warnings.begin(), plan->warnings.begin(), plan->warnings.end());
     solution.seconds.plan = plan_seconds;
     solution.seconds.total = seconds_since(start);
     return solution;
+}
+
+double accuracy_of(const Scene& scene, std::optional<double> asked) {
+    return asked.value_or(scene.manifest.accuracy.value_or(kDefaultAccuracy));
+}
+
+std::vector<std::string> reference_only(const Plan& plan) {
+    std::vector<std::string> effects;
+    for (const char* effect : {"sky", "sun", "lights", "transmission", "medium"})
+        if (plan.on(effect)) effects.push_back(effect);
+    return effects;
 }
 
 bool work_done(const Solution& solution, const SolveOptions& options) {

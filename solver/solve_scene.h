@@ -5,7 +5,9 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "format/result.h"
 #include "solver/effects/effect.h"
@@ -42,6 +44,13 @@ Result<TransportOptions::Visibility> parse_visibility(std::string_view name);
 ///          caller's; total is plan and solve)
 /// errors   Usage: effects as in plan_effects; options that the method does not know; those of the solvers
 Result<Solution> solve_scene(const Scene& scene, const SolveOptions& options, const Progress& progress = {});
+
+/// The accuracy to solve for: the one asked for, or the manifest's, or 0.02.
+double accuracy_of(const Scene& scene, std::optional<double> asked);
+
+/// The effects of a plan that only --method reference has in this version. (Light groups are not among them: the reusable
+/// method solves for their sum.)
+std::vector<std::string> reference_only(const Plan& plan);
 
 /// Did the solve do what it was asked? The accuracy was met, or the samples asked for were taken.
 bool work_done(const Solution& solution, const SolveOptions& options);

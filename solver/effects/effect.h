@@ -26,13 +26,12 @@ struct EffectOverrides {
     std::vector<std::string> with, without;
 };
 
-/// errors   Usage: an effect that does not exist (lists those that do), one both with and without, or --with for one
-///          that this version does not support
+/// errors   Usage: an effect that does not exist (lists those that do), or one both with and without
 Result<Plan> plan_effects(const Scene& scene, const EffectOverrides& overrides);
 
-/// Takes out of the scene's radiometry what is switched off by hand: emitters (no surface emits), textures (materials
-/// have their mean), colour (every channel is the mean of the three). The other effects are left to the solver's
-/// passes.
+/// Takes out of the scene what is switched off by hand: emitters (no surface emits), textures (materials have their
+/// mean), colour (every channel is the mean of the three), sky, sun, lights, transmission, medium, light groups (one for
+/// all). The other effects are left to the solver's passes.
 void leave_out(const EffectOverrides& overrides, Scene& scene);
 
 }  // namespace rro

@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <memory>
 #include <numbers>
 #include <string>
@@ -43,14 +44,25 @@ class Eye {
         });
     }
 
-    /// W/(m^2 sr); black where nothing is hit and on backs of one-sided surfaces.
-    Vec3 radiance(const Vec3& origin, const Vec3& direction) const {
+    /// W/(m^2 sr); sky and sun where nothing is hit, black on backs of one-sided surfaces.
+    Vec3 radiance(const Vec3& origin, const Vec3& towards) const {
+        const Vec3 direction = normalised(towards);
         const SeenFace seen = seen_face(scene_, rays_, origin, direction);
+        if (seen.instance == kNoInstance)
+            return weakened(background(direction), std::numeric_limits<double>::infinity());
         if (seen.face == kNoFace) return {};
-        return samplers_[seen.instance]->radiosity(seen.face, seen.b1, seen.b2) / std::numbers::pi;
+        return weakened(samplers_[seen.instance]->radiosity(seen.face, seen.b1, seen.b2) / std::numbers::pi, seen.t);
     }
 
   private:
+    Vec3 background(const Vec3& direction) const {
+        const Vec3 sky = scene_.sky ? scene_.sky->radiance(direction) : Vec3{};
+        return scene_.sun ? sky + scene_.sun->radiance(direction) : sky;
+    }
+    Vec3 weakened(const Vec3& radiance, double distance) const {
+        return scene_.medium ? hadamard(radiance, scene_.medium->transmittance(distance)) : radiance;
+    }
+
     const Scene& scene_;
     const SceneRays& rays_;
     std::vector<SurfaceMesh> meshes_;

@@ -1,6 +1,8 @@
 #include "solver/scene/manifest.h"
 
 #include <algorithm>
+#include <cmath>
+#include <functional>
 #include <map>
 #include <numbers>
 
@@ -17,24 +19,27 @@ Vec3 to_vec3(const json& value) {
     return {value[0].get<double>(), value[1].get<double>(), value[2].get<double>()};
 }
 
-/// Keys of contracts whose effects do not exist yet, wherever they stand.
-Status refuse_unsupported(const json& document, const std::string& name) {
-    const auto refuse = [&](const std::string& pointer, const std::string& key) -> Status {
-        return bad_input(json_place(name, pointer + "/" + key), "\"" + key + "\" is not supported by this version");
-    };
-    for (const char* key : {"sky", "sun", "lights", "medium"})
-        if (document.contains(key)) return refuse("", key);
-    const json& instances = document["instances"];
-    for (std::size_t i = 0; i < instances.size(); ++i) {
-        if (!instances[i].contains("materials")) continue;
-        for (const auto& [material, fields] : instances[i]["materials"].items()) {
-            if (material == "extras") continue;
-            for (const char* key : {"transmittance", "group"})
-                if (fields.contains(key))
-                    return refuse("/instances/" + std::to_string(i) + "/materials/" + pointer_step(material), key);
-        }
-    }
-    return Done{};
+/// A radiometric quantity of three channels.
+Result<Vec3> read_power(const json& value, const std::string& where, const std::string& unit) {
+    for (std::size_t c = 0; c < 3; ++c)
+        if (!is_usable_power(value[c].get<double>()))
+            return bad_input(where + "/" + std::to_string(c),
+                             "found " + value[c].dump() + ", expected 0 or 1e-30 to 1e30 " + unit);
+    return to_vec3(value);
+}
+
+Result<Vec3> read_direction(const json& value, const std::string& where) {
+    const Vec3 direction = normalised(to_vec3(value));
+    if (!(length2(direction) > 0.5))  // 1, or 0 where there is none
+        return bad_input(where, "found " + value.dump() + ", expected a direction");
+    return direction;
+}
+
+/// Paths in a manifest are relative to its folder.
+Result<std::filesystem::path> read_path(const std::string& path, const std::filesystem::path& folder,
+                                        const std::string& where) {
+    if (path.find('\0') != std::string::npos) return bad_input(where, "a path cannot hold a NUL character");
+    return (folder / path).lexically_normal();
 }
 
 Result<Affine3> read_transform(const json& value, const std::string& where) {
@@ -68,14 +73,18 @@ Result<MaterialOverride> read_material(const json& value, const std::string& whe
     MaterialOverride material;
     if (value.contains("reflectance")) material.reflectance = to_vec3(value["reflectance"]);
     if (value.contains("exitance")) {
-        material.exitance = to_vec3(value["exitance"]);
-        for (int c = 0; c < 3; ++c) {
-            const double m = (*material.exitance)[c];
-            if (!is_usable_exitance(m))
-                return bad_input(where + "/exitance/" + std::to_string(c),
-                                 "found " + json(m).dump() + ", expected 0 or 1e-30 to 1e30 W/m^2");
-        }
+        const auto exitance = read_power(value["exitance"], where + "/exitance", "W/m^2");
+        if (!exitance) return exitance.error();
+        material.exitance = *exitance;
     }
+    if (value.contains("transmittance")) material.transmittance = to_vec3(value["transmittance"]);
+    if (value.contains("group")) material.group = value["group"].get<std::string>();
+    if (material.reflectance && material.transmittance)
+        for (int c = 0; c < 3; ++c)
+            if (const double sum = (*material.reflectance)[c] + (*material.transmittance)[c]; !(sum < 1))
+                return bad_input(where + "/transmittance/" + std::to_string(c),
+                                 "found " + json((*material.transmittance)[c]).dump() + " beside a reflectance of " +
+                                     json((*material.reflectance)[c]).dump() + ", expected a sum below 1");
     return material;
 }
 
@@ -84,9 +93,9 @@ Result<InstanceEntry> read_instance(const json& value, const std::filesystem::pa
     entry.name = value["name"].get<std::string>();
     const json& archive = value["archive"];
     const std::string path = archive.is_string() ? archive.get<std::string>() : archive["path"].get<std::string>();
-    if (path.find('\0') != std::string::npos)
-        return bad_input(where + "/archive", "a path cannot hold a NUL character");
-    entry.archive = (folder / path).lexically_normal();
+    const auto resolved = read_path(path, folder, where + "/archive");
+    if (!resolved) return resolved.error();
+    entry.archive = *resolved;
     if (archive.is_object()) entry.content = archive.value("content", "");
     for (char& digit : entry.content)
         if (digit >= 'A' && digit <= 'F') digit = static_cast<char>(digit - 'A' + 'a');
@@ -122,11 +131,144 @@ Result<CameraEntry> read_camera(const json& value, const std::string& where) {
     return camera;
 }
 
+Result<SkyEntry> read_sky(const json& value, const std::filesystem::path& folder, const std::string& where) {
+    SkyEntry sky;
+    const auto kinds = value.count("radiance") + value.count("cie_overcast") + value.count("image");
+    if (kinds != 1)
+        return bad_input(where, "found " + std::to_string(kinds) +
+                                    " of \"radiance\", \"cie_overcast\" and \"image\", expected one");
+    if (value.contains("scale") && !value.contains("image")) return bad_input(where + "/scale", "only an image has a scale");
+    sky.ground = value.value("ground", false);
+    for (const auto& [key, radiance] : {std::pair("radiance", &sky.radiance), std::pair("cie_overcast", &sky.cie_overcast)}) {
+        if (!value.contains(key)) continue;
+        const auto read = read_power(value[key], where + "/" + key, "W/(m^2 sr)");
+        if (!read) return read.error();
+        *radiance = *read;
+    }
+    if (value.contains("image")) {
+        const auto image = read_path(value["image"].get<std::string>(), folder, where + "/image");
+        if (!image) return image.error();
+        sky.image = *image;
+        sky.scale = value.value("scale", sky.scale);
+        if (!is_usable_power(sky.scale))
+            return bad_input(where + "/scale", "found " + value["scale"].dump() + ", expected 0 or 1e-30 to 1e30");
+    }
+    return sky;
+}
+
+Result<SunEntry> read_sun(const json& value, const std::string& where) {
+    SunEntry sun;
+    const auto direction = read_direction(value["direction"], where + "/direction");
+    if (!direction) return direction.error();
+    const auto irradiance = read_power(value["irradiance"], where + "/irradiance", "W/m^2");
+    if (!irradiance) return irradiance.error();
+    sun.direction = *direction;
+    sun.irradiance = *irradiance;
+    sun.angular_diameter = value.value("angular_diameter", sun.angular_diameter);
+    return sun;
+}
+
+/// Which keys a type of light needs and allows.
+struct LightKeys {
+    LightEntry::Type type;
+    std::vector<const char*> needed, allowed;
+};
+
+Status check_light_keys(const json& value, const LightKeys& keys, const std::string& where) {
+    const std::string type = value["type"].get<std::string>();
+    for (const char* key : keys.needed)
+        if (!value.contains(key))
+            return bad_input(where, "the key \"" + std::string(key) + "\" is missing, a light of type \"" + type + "\" needs it");
+    const auto has = [](const std::vector<const char*>& list, const char* key) {
+        return std::any_of(list.begin(), list.end(), [&](const char* k) { return std::string_view(k) == key; });
+    };
+    for (const char* key : {"direction", "intensity", "cone_degrees", "file"})
+        if (value.contains(key) && !has(keys.needed, key) && !has(keys.allowed, key))
+            return bad_input(where + "/" + key, "a light of type \"" + type + "\" has no \"" + key + "\"");
+    return Done{};
+}
+
+Result<LightEntry> read_light(const json& value, const std::filesystem::path& folder, const std::string& where) {
+    static const std::map<std::string, LightKeys, std::less<>> types{
+        {"point", {LightEntry::Type::Point, {"intensity"}, {}}},
+        {"spot", {LightEntry::Type::Spot, {"direction", "intensity", "cone_degrees"}, {}}},
+        {"ies", {LightEntry::Type::Ies, {"file"}, {"direction", "intensity"}}}};
+    const LightKeys& keys = types.at(value["type"].get<std::string>());
+    if (auto fits = check_light_keys(value, keys, where); !fits) return fits.error();
+    LightEntry light;
+    light.name = value["name"].get<std::string>();
+    light.type = keys.type;
+    light.position = to_vec3(value["position"]);
+    constexpr double farthest = 1e100;  // squares of distances stay finite
+    for (int axis = 0; axis < 3; ++axis)
+        if (!(std::abs(light.position[axis]) <= farthest))
+            return bad_input(where + "/position/" + std::to_string(axis),
+                             "found " + json(light.position[axis]).dump() + ", expected at most 1e100 m");
+    if (value.contains("direction")) {
+        const auto direction = read_direction(value["direction"], where + "/direction");
+        if (!direction) return direction.error();
+        light.direction = *direction;
+    }
+    if (value.contains("intensity")) {
+        const auto intensity = read_power(value["intensity"], where + "/intensity", "W/sr");
+        if (!intensity) return intensity.error();
+        light.intensity = *intensity;
+    }
+    light.cone_degrees = value.value("cone_degrees", light.cone_degrees);
+    if (value.contains("file")) {
+        const auto file = read_path(value["file"].get<std::string>(), folder, where + "/file");
+        if (!file) return file.error();
+        light.file = *file;
+    }
+    light.group = value.value("group", "");
+    return light;
+}
+
+/// Everything but instances that lights a scene or weakens light.
+Status read_lights(const json& document, const std::string& name, const std::filesystem::path& folder,
+                   Manifest& manifest) {
+    if (document.contains("sky")) {
+        const auto sky = read_sky(document["sky"], folder, name + ": /sky");
+        if (!sky) return sky.error();
+        manifest.sky = *sky;
+    }
+    if (document.contains("sun")) {
+        const auto sun = read_sun(document["sun"], name + ": /sun");
+        if (!sun) return sun.error();
+        manifest.sun = *sun;
+    }
+    std::map<std::string, std::size_t> names;
+    const json lights = document.value("lights", json::array());
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+        const std::string where = name + ": /lights/" + std::to_string(i);
+        auto light = read_light(lights[i], folder, where);
+        if (!light) return light.error();
+        if (const auto [first, is_new] = names.emplace(light->name, i); !is_new)
+            return bad_input(where + "/name", "found " + described(light->name) + ", the name of /lights/" +
+                                                  std::to_string(first->second) + " already; expected another");
+        manifest.lights.push_back(std::move(*light));
+    }
+    if (document.contains("medium")) {
+        const auto absorption = read_power(document["medium"]["absorption"], name + ": /medium/absorption", "1/m");
+        if (!absorption) return absorption.error();
+        manifest.absorption = *absorption;
+    }
+    return Done{};
+}
+
+std::vector<GroupEntry> read_groups(const json& document) {
+    std::vector<GroupEntry> groups;
+    if (!document.contains("groups")) return groups;
+    for (const auto& [name, members] : document["groups"].items())
+        if (name != "extras") groups.push_back({name, members.get<std::vector<std::string>>()});
+    return groups;
+}
+
 }  // namespace
 
-bool is_usable_exitance(double exitance) {
+bool is_usable_power(double power) {
     constexpr double smallest = 1e-30, largest = 1e30;
-    return exitance == 0 || (exitance >= smallest && exitance <= largest);
+    return power == 0 || (power >= smallest && power <= largest);
 }
 
 Result<Manifest> read_manifest(const std::filesystem::path& path) {
@@ -135,7 +277,6 @@ Result<Manifest> read_manifest(const std::filesystem::path& path) {
     if (!document) return document.error();
     static const JsonSchema schema(scene_schema);
     if (auto fits = schema.check(*document, name); !fits) return fits.error();
-    if (auto supported = refuse_unsupported(*document, name); !supported) return supported.error();
 
     Manifest manifest;
     manifest.path = path;
@@ -156,6 +297,8 @@ Result<Manifest> read_manifest(const std::filesystem::path& path) {
         if (!camera) return camera.error();
         manifest.camera = *camera;
     }
+    if (auto lights = read_lights(*document, name, path.parent_path(), manifest); !lights) return lights.error();
+    manifest.groups = read_groups(*document);
     if (document->contains("accuracy")) manifest.accuracy = (*document)["accuracy"].get<double>();
     return manifest;
 }

@@ -1,4 +1,4 @@
-// The scene manifest "rro-scene/1" (schemas/scene.schema.json) as values. Nothing here opens an archive.
+// The scene manifest "rro-scene/1" (schemas/scene.schema.json) as values. Nothing here opens another file.
 #pragma once
 
 #include <filesystem>
@@ -16,6 +16,8 @@ namespace rro {
 struct MaterialOverride {
     std::optional<Vec3> reflectance;  // each in [0, 1)
     std::optional<Vec3> exitance;     // W/m^2, >= 0
+    std::optional<Vec3> transmittance = {};  // each in [0, 1)
+    std::optional<std::string> group = {};   // light group
 };
 
 struct InstanceEntry {
@@ -32,21 +34,60 @@ struct CameraEntry {
     std::optional<double> exposure;    // stops
 };
 
+/// One of radiance, cie_overcast and image.
+struct SkyEntry {
+    std::optional<Vec3> radiance;      // W/(m^2 sr), from everywhere
+    std::optional<Vec3> cie_overcast;  // W/(m^2 sr), of the zenith
+    std::filesystem::path image;       // resolved against the manifest's folder
+    double scale = 1;                  // of the image's radiance
+    bool ground = false;               // nothing comes from below the horizon
+};
+
+struct SunEntry {
+    Vec3 direction;                  // the way light travels, unit
+    Vec3 irradiance;                 // W/m^2, on a plane that faces the sun
+    double angular_diameter = 0.53;  // degrees
+};
+
+struct LightEntry {
+    enum class Type { Point, Spot, Ies };
+    std::string name;
+    Type type = Type::Point;
+    Vec3 position;
+    Vec3 direction{0, -1, 0};       // unit; of spot and ies
+    std::optional<Vec3> intensity;  // W/sr; of ies where it is brightest, else as the file says
+    double cone_degrees = 360;      // the whole opening angle of a spot
+    std::filesystem::path file;     // of ies, resolved against the manifest's folder
+    std::string group;              // light group, or empty
+};
+
+/// A set of surfaces for view factors, as written: "instance" or "instance/material".
+struct GroupEntry {
+    std::string name;
+    std::vector<std::string> members;
+};
+
 struct Manifest {
     std::filesystem::path path;
     std::vector<InstanceEntry> instances;  // in file order
     std::optional<CameraEntry> camera;
     std::optional<double> accuracy;
+    std::optional<SkyEntry> sky = {};
+    std::optional<SunEntry> sun = {};
+    std::vector<LightEntry> lights = {};     // in file order
+    std::optional<Vec3> absorption = {};     // of the medium, 1/m
+    std::vector<GroupEntry> groups = {};     // by name
 };
 
-/// Whether an exitance and what it adds up to survive in results, which are single precision: 0, or 1e-30 to 1e30 W/m^2.
-bool is_usable_exitance(double exitance);
+/// Whether a radiometric quantity (exitance, radiance, irradiance, intensity) and what it adds up to survive in results,
+/// which are single precision: 0, or 1e-30 to 1e30.
+bool is_usable_power(double power);
 
 /// Reads and checks a manifest: JSON, schema, names, transforms.
 ///
 /// errors   BadInput, naming file and JSON pointer (or line and column for broken JSON): not there, not JSON, comments,
 ///          unknown key, wrong type, repeated or empty name, `/` in a name, singular or ill-conditioned transform, a
-///          value out of range, a key whose effect this version does not support
+///          value out of range, a direction of no length, a light with a key that its type lacks or without one it needs
 Result<Manifest> read_manifest(const std::filesystem::path& path);
 
 }  // namespace rro

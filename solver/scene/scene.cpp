@@ -10,6 +10,7 @@
 #include "format/parallel.h"
 #include "format/tool/json_document.h"
 #include "format/tool/names.h"
+#include "solver/scene/resolve_lights.h"
 
 namespace rro {
 namespace {
@@ -113,8 +114,9 @@ Status check_pins(const Manifest& manifest, const ArchiveFiles& files,
     return Done{};
 }
 
-/// Radiometry per patch: the archive's, then "*", then the exact name, field by field.
-Status resolve_materials(const Manifest& manifest, std::size_t number, Instance& instance) {
+/// What the manifest says about each of the archive's materials: "*", then the exact name, field by field.
+Result<std::vector<MaterialOverride>> material_overrides(const Manifest& manifest, std::size_t number,
+                                                         const Instance& instance) {
     const ObjectData& data = instance.data();
     std::vector<MaterialOverride> overrides(data.materials.size());
     std::multimap<std::string_view, std::size_t> materials;
@@ -126,6 +128,8 @@ Status resolve_materials(const Manifest& manifest, std::size_t number, Instance&
         for (auto at = begin; at != end; ++at) {
             if (said.reflectance) overrides[at->second].reflectance = said.reflectance;
             if (said.exitance) overrides[at->second].exitance = said.exitance;
+            if (said.transmittance) overrides[at->second].transmittance = said.transmittance;
+            if (said.group) overrides[at->second].group = said.group;
         }
         if (begin == end && !all) {
             std::vector<std::string> names;
@@ -136,9 +140,52 @@ Status resolve_materials(const Manifest& manifest, std::size_t number, Instance&
                              nearest_hint(name, names));
         }
     }
+    return overrides;
+}
+
+/// Do all triangles of a patch have two sides?
+bool is_two_sided(const Object& object, const Patch& patch) {
+    const auto faces = object.data().faces.subspan(patch.first_face, patch.face_count);
+    return std::all_of(faces.begin(), faces.end(), [&](Face face) {
+        return object.front_face[face.triangle()] != kNoFace && object.back_face[face.triangle()] != kNoFace;
+    });
+}
+
+/// A patch's transmittance, checked against its reflectance and its sides.
+Result<Rgb> patch_transmittance(const Manifest& manifest, std::size_t number, const Instance& instance,
+                                const Patch& patch, const Rgb& reflectance, const Vec3& wanted) {
+    if (wanted == Vec3{}) return Rgb{};
+    const std::string material = "material \"" + instance.data().materials[patch.material].name + "\" of " +
+                                 instance.object->path.filename().string();
+    const std::string where = place_of(manifest, number, "/materials");
+    if (!is_two_sided(*instance.object, patch))
+        return bad_input(where, material + " has a transmittance, but triangles with one side only",
+                         "compile the archive with --two-sided yes");
+    const Vec3 rho = to_double(reflectance);
+    Rgb tau = to_float(wanted);
+    float* const out[3] = {&tau.x, &tau.y, &tau.z};
+    for (int c = 0; c < 3; ++c) {
+        if (!(wanted[c] + rho[c] < 1))
+            return bad_input(where, material + " has a transmittance of " + nlohmann::json(wanted[c]).dump() +
+                                        " beside a reflectance of " + nlohmann::json(rho[c]).dump() +
+                                        ", expected a sum below 1");
+        *out[c] = std::min(*out[c], kLargestReflectance - static_cast<float>(rho[c]));
+    }
+    return tau;
+}
+
+/// Radiometry per patch: the archive's, or what the manifest says instead.
+Status resolve_materials(const Manifest& manifest, std::size_t number, Instance& instance) {
+    const ObjectData& data = instance.data();
+    const auto resolved = material_overrides(manifest, number, instance);
+    if (!resolved) return resolved.error();
+    const std::vector<MaterialOverride>& overrides = *resolved;
+    const bool transmits = std::any_of(overrides.begin(), overrides.end(), [](const MaterialOverride& m) {
+        return m.transmittance && *m.transmittance != Vec3{};
+    });
     for (std::size_t m = 0; m < overrides.size(); ++m)
         for (int c = 0; c < 3; ++c)
-            if (const double own = data.materials[m].exitance[c]; !overrides[m].exitance && !is_usable_exitance(own))
+            if (const double own = data.materials[m].exitance[c]; !overrides[m].exitance && !is_usable_power(own))
                 return bad_input(place_of(manifest, number, "/archive"),
                                  "material \"" + data.materials[m].name + "\" of " +
                                      instance.object->path.filename().string() + " has an exitance of " + nlohmann::json(own).dump() +
@@ -151,6 +198,11 @@ Status resolve_materials(const Manifest& manifest, std::size_t number, Instance&
             *channel = std::min(*channel, kLargestReflectance);
         instance.reflectance.push_back(reflectance);
         instance.exitance.push_back(to_float(said.exitance.value_or(data.materials[patch.material].exitance)));
+        if (!transmits) continue;
+        const auto transmittance = patch_transmittance(manifest, number, instance, patch, reflectance,
+                                                       said.transmittance.value_or(Vec3{}));
+        if (!transmittance) return transmittance.error();
+        instance.transmittance.push_back(*transmittance);
     }
     return Done{};
 }
@@ -216,6 +268,7 @@ Result<Scene> open_scene(Manifest manifest, SectionSet wanted) {
         scene.instances.push_back(std::move(**instance));
     }
     scene.manifest = std::move(manifest);
+    if (auto lit = resolve_lights(scene); !lit) return lit.error();
     return scene;
 }
 

@@ -2,12 +2,14 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "format/archive_reader.h"
 #include "format/rays/object_rays.h"
 #include "format/self_links.h"
+#include "solver/scene/lights.h"
 #include "solver/scene/manifest.h"
 
 namespace rro {
@@ -39,8 +41,13 @@ struct Instance {
     Box3 bounds;                       // world, of all triangles
     std::vector<Rgb> reflectance;      // [P] per patch
     std::vector<Rgb> exitance;         // [P] per patch, W/m^2
+    std::vector<Rgb> transmittance;    // [P] per patch, diffuse, on two-sided triangles only; empty where nothing transmits
+    std::vector<std::uint32_t> light_group;  // [P] per patch, into Scene::light_groups; empty where all are 0
 
     const ObjectData& data() const { return object->data(); }
+
+    Rgb transmittance_of(std::size_t patch) const { return transmittance.empty() ? Rgb{} : transmittance[patch]; }
+    std::uint32_t light_group_of(std::size_t patch) const { return light_group.empty() ? 0 : light_group[patch]; }
 
     /// World corners, counter-clockwise as seen from the face's side, also where the transform mirrors.
     TriangleCorners world_corners(Face face) const {
@@ -56,6 +63,11 @@ struct Scene {
     std::vector<std::unique_ptr<Object>> objects;
     std::vector<Instance> instances;   // in manifest order
     Box3 bounds;                       // world
+    std::optional<Sky> sky;            // none where it is dark, and so on: what is here has an effect
+    std::optional<Sun> sun;
+    std::vector<PointLight> lights;
+    std::optional<Medium> medium;
+    std::vector<std::string> light_groups = {""};  // names by number; 0 is all light without a group, sky and sun too
 
     std::size_t triangle_count() const {
         std::size_t n = 0;
@@ -68,7 +80,8 @@ struct Scene {
 ///
 /// wanted   what will be used of the archives; the rest is not unpacked
 /// errors   BadInput naming manifest, instance and archive: missing or refused archive, one without the tables that are
-///          wanted, wrong content, a material the archive lacks (lists those there are)
+///          wanted, wrong content, a material the archive lacks (lists those there are), a transmittance on one-sided triangles or
+///          one that exceeds 1 with the reflectance; a picture of the sky or a photometric file that cannot be used
 Result<Scene> open_scene(Manifest manifest, SectionSet wanted = kGeometry | kTables | Section::Source);
 
 }  // namespace rro

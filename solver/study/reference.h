@@ -16,10 +16,13 @@ struct ReferenceOptions {
 };
 
 /// Path tracing of irradiance from uniformly sampled points of every face: E = (pi/N) sum of L over cosine-weighted
-/// directions, next-event estimation to emitters, Russian roulette. Random streams are keyed by instance name, face and
+/// directions, next-event estimation to emitters, sun, lights and skies with bright spots, Russian roulette. It knows every
+/// effect: B = M + rho E + tau E of the other side; a medium leaves exp(-a d) of the light on every segment, and nothing of
+/// sky and sun, which are infinitely far. Light groups are summed. Random streams are keyed by instance name, face and
 /// sample, so the result does not depend on the number of threads.
 ///
-/// returns  radiosity, irradiance and standard error per face; estimated_error is the relative standard error reached
+/// returns  radiosity, irradiance and standard error per face; estimated_error is the relative standard error reached. What sky, sun
+///          and lights emit is counted where it arrives at faces; what a medium takes is absorbed
 Result<Solution> solve_reference(const Scene& scene, const ReferenceOptions& options, const Progress& progress = {});
 
 }  // namespace rro

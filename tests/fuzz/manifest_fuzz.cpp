@@ -26,6 +26,9 @@ void check_manifest(const Manifest& manifest) {
                         "exitances are finite");
             }
     }
+    for (const LightEntry& light : manifest.lights)
+        require(!light.name.empty() && is_finite(light.position) && length2(light.direction) > 0.5, "lights stand and point");
+    if (manifest.sun) require(length2(manifest.sun->direction) > 0.5, "the sun shines somewhere");
     if (manifest.camera)
         require(length(normalised(manifest.camera->target - manifest.camera->position)) > 0.5, "cameras look somewhere");
     require(!manifest.accuracy || (*manifest.accuracy > 0 && *manifest.accuracy <= 1), "accuracies are above 0");

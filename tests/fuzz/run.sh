@@ -16,7 +16,7 @@ if ! [[ $extent =~ ^([0-9]+|check)$ ]]; then
     exit 2
 fi
 targets=("$@")
-if [ ${#targets[@]} -eq 0 ]; then targets=(archive_fuzz section_fuzz mesh_fuzz manifest_fuzz); fi
+if [ ${#targets[@]} -eq 0 ]; then targets=(archive_fuzz section_fuzz mesh_fuzz manifest_fuzz lights_fuzz); fi
 
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 source .ci/packages.sh
@@ -38,9 +38,9 @@ trap 'rm -rf "$TMPDIR"' EXIT
 # Shorter stacks of allocations and fewer freed bytes kept: half as many runs again.
 export ASAN_OPTIONS=malloc_context_size=4:quarantine_size_mb=16
 # The largest file: what each format can say in it, and no more, as short inputs run faster.
-declare -A most_bytes=([archive_fuzz]=16384 [section_fuzz]=4096 [mesh_fuzz]=8192 [manifest_fuzz]=4096)
+declare -A most_bytes=([archive_fuzz]=16384 [section_fuzz]=4096 [mesh_fuzz]=8192 [manifest_fuzz]=4096 [lights_fuzz]=1024)
 # Of a check: ten seconds or less on an idle core.
-declare -A check_runs=([archive_fuzz]=15000 [section_fuzz]=200000 [mesh_fuzz]=15000 [manifest_fuzz]=15000)
+declare -A check_runs=([archive_fuzz]=15000 [section_fuzz]=200000 [mesh_fuzz]=15000 [manifest_fuzz]=15000 [lights_fuzz]=100000)
 # libFuzzer keeps what it learns by addresses: the same ones every time, where the system lets a program ask for that.
 same_addresses=()
 if [ "$extent" = check ] && setarch --addr-no-randomize true 2>/dev/null; then

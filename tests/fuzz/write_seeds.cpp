@@ -155,7 +155,8 @@ int main(int count, char** arguments) {
     write_archives(folder);
     copy_archives(tests, folder);
     write_meshes(corpus / "mesh_fuzz", folder / "mesh_fuzz");
-    for (const auto& file : fs::directory_iterator(corpus / "manifest_fuzz"))
-        write(folder / "manifest_fuzz" / file.path().filename(), test::file_text(file.path()));
+    for (const char* target : {"manifest_fuzz", "lights_fuzz"})
+        for (const auto& file : fs::directory_iterator(corpus / target))
+            write(folder / target / file.path().filename(), test::file_text(file.path()));
     return 0;
 }

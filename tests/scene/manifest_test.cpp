@@ -25,12 +25,6 @@ const char* const kContractManifest = R"({
   "extras": {}
 })";
 
-std::string without(std::string text, const std::string& part) {
-    const auto at = text.find(part);
-    REQUIRE(at != std::string::npos);
-    return text.erase(at, part.size());
-}
-
 /// What is said about one instance of these fields.
 Error instance_error(SceneFiles& files, const std::string& fields) {
     return files.error(files.instances("{\"name\": \"a\", \"archive\": \"box.rro\", " + fields + "}"));
@@ -45,24 +39,9 @@ Affine3 placed(SceneFiles& files, const std::string& transform) {
 
 }  // namespace
 
-TEST_CASE("the contract's manifest fits the schema, and only keys without an effect yet are refused", "[manifest]") {
+TEST_CASE("the contract's manifest is read as printed", "[manifest]") {
     SceneFiles files;
-    std::string text = kContractManifest;
-    CHECK(text_of(files.error(files.manifest(text))) == "room.json: /sky: \"sky\" is not supported by this version");
-    text = without(text, "\"sky\": { \"radiance\": [0.2, 0.3, 0.5] },");
-    CHECK(text_of(files.error(files.manifest(text))) == "room.json: /sun: \"sun\" is not supported by this version");
-    text = without(
-        text,
-        "\"sun\": { \"direction\": [0.3, -0.8, 0.5], \"irradiance\": [800, 780, 700], \"angular_diameter\": 0.53 },");
-    CHECK_THAT(text_of(files.error(files.manifest(text))), Contains("/lights: \"lights\" is not supported"));
-    text = without(
-        text,
-        "\"lights\": [ { \"name\": \"spot\", \"type\": \"spot\", \"position\": [0, 2.5, 0], \"direction\": [0, -1, 0], "
-        "\"intensity\": [50, 50, 45], \"cone_degrees\": 60 } ],");
-    CHECK(text_of(files.error(files.manifest(text))) ==
-          "room.json: /instances/0/materials/lamp/group: \"group\" is not supported by this version");
-    text = without(text, ", \"group\": \"evening\"");
-
+    const std::string text = kContractManifest;
     const auto read = read_manifest(files.manifest(text));
     REQUIRE(read);
     REQUIRE(read->instances.size() == 2);
@@ -77,17 +56,60 @@ TEST_CASE("the contract's manifest fits the schema, and only keys without an eff
     CHECK(read->camera->position == Vec3{0, 1.6, 4});
     CHECK(read->camera->exposure == 0.0);
     CHECK(read->accuracy == 0.02);
+    CHECK(read->instances[0].materials[1].second.group == "evening");
+    CHECK(read->sky->radiance == Vec3{0.2, 0.3, 0.5});
+    CHECK_FALSE(read->sky->ground);
+    CHECK(length(read->sun->direction - normalised({0.3, -0.8, 0.5})) < 1e-15);
+    CHECK(read->sun->irradiance == Vec3{800, 780, 700});
+    CHECK(read->sun->angular_diameter == 0.53);
+    REQUIRE(read->lights.size() == 1);
+    CHECK(read->lights[0].name == "spot");
+    CHECK(read->lights[0].type == LightEntry::Type::Spot);
+    CHECK(read->lights[0].direction == Vec3{0, -1, 0});
+    CHECK(read->lights[0].intensity == Vec3{50, 50, 45});
+    CHECK(read->lights[0].cone_degrees == 60);
+    REQUIRE(read->groups.size() == 1);
+    CHECK(read->groups[0].name == "walls");
+    CHECK(read->groups[0].members == std::vector<std::string>{"room", "door/panel"});
 }
 
-TEST_CASE("other keys without an effect yet are refused, never ignored", "[manifest]") {
+TEST_CASE("lights and surroundings that make no sense are refused at their place", "[manifest]") {
     SceneFiles files;
-    CHECK(text_of(files.error(files.instances("", ", \"medium\": {\"absorption\": [1, 1, 1]}"))) ==
-          "room.json: /medium: \"medium\" is not supported by this version");
-    CHECK(text_of(files.error(files.instances("", ", \"lights\": []"))) ==
-          "room.json: /lights: \"lights\" is not supported by this version");
-    CHECK(
-        text_of(instance_error(files, "\"materials\": {\"a/b~c\": {\"transmittance\": [0, 0, 0]}}")) ==
-        "room.json: /instances/0/materials/a~1b~0c/transmittance: \"transmittance\" is not supported by this version");
+    const auto error = [&](const std::string& more) { return text_of(files.error(files.instances("", ", " + more))); };
+    const auto light = [&](const std::string& fields) {
+        return error(R"("lights": [{"name": "a", "position": [0, 0, 0], )" + fields + "}]");
+    };
+    CHECK(error(R"("sky": {"radiance": [1, 1, 1e40]})") ==
+          "room.json: /sky/radiance/2: found 1e+40, expected 0 or 1e-30 to 1e30 W/(m^2 sr)");
+    CHECK(error(R"("sky": {"radiance": [1, 1, 1], "cie_overcast": [1, 1, 1]})") ==
+          "room.json: /sky: found 2 of \"radiance\", \"cie_overcast\" and \"image\", expected one");
+    CHECK(error(R"("sky": {"ground": true})") ==
+          "room.json: /sky: found 0 of \"radiance\", \"cie_overcast\" and \"image\", expected one");
+    CHECK(error(R"("sky": {"radiance": [1, 1, 1], "scale": 2})") == "room.json: /sky/scale: only an image has a scale");
+    CHECK(error(R"("sun": {"direction": [0, 0, 0], "irradiance": [1, 1, 1]})") ==
+          "room.json: /sun/direction: found [0,0,0], expected a direction");
+    CHECK_THAT(error(R"("sun": {"direction": [0, -1, 0]})"), Contains("/sun: the key \"irradiance\" is missing"));
+    CHECK_THAT(error(R"("sun": {"direction": [0, -1, 0], "irradiance": [1, 1, 1], "angular_diameter": 180})"),
+               Contains("/sun/angular_diameter: found 180"));
+    CHECK(light(R"("type": "point")") ==
+          "room.json: /lights/0: the key \"intensity\" is missing, a light of type \"point\" needs it");
+    CHECK(light(R"("type": "point", "intensity": [1, 1, 1], "cone_degrees": 60)") ==
+          "room.json: /lights/0/cone_degrees: a light of type \"point\" has no \"cone_degrees\"");
+    CHECK_THAT(light(R"("type": "spot", "intensity": [1, 1, 1], "cone_degrees": 60)"),
+               Contains("\"direction\" is missing"));
+    CHECK_THAT(light(R"("type": "ies")"), Contains("\"file\" is missing"));
+    CHECK_THAT(light(R"("type": "area")"), Contains("/lights/0/type: found \"area\""));
+    CHECK_THAT(error(R"("lights": [{"name": "a", "type": "point", "position": [0, 1e200, 0], "intensity": [1, 1, 1]}])"),
+               Contains("/lights/0/position/1: found 1e+200"));
+    const std::string good = R"({"name": "a", "type": "point", "position": [0, 0, 0], "intensity": [1, 1, 1]})";
+    CHECK_THAT(error("\"lights\": [" + good + "," + good + "]"),
+               Contains("/lights/1/name: found \"a\", the name of /lights/0 already"));
+    CHECK_THAT(error(R"("medium": {"absorption": [1, -1, 1]})"), Contains("/medium/absorption/1: found -1"));
+    CHECK_THAT(error(R"("groups": {"a": "walls"})"), Contains("/groups/a: found \"walls\", expected an array"));
+    CHECK(text_of(instance_error(
+              files, R"("materials": {"walls": {"reflectance": [0.5, 0.5, 0.5], "transmittance": [0.4, 0.5, 0.4]}})")) ==
+          "room.json: /instances/0/materials/walls/transmittance/1: found 0.5 beside a reflectance of 0.5, expected a sum "
+          "below 1");
 }
 
 TEST_CASE("broken JSON is refused with line and column", "[manifest]") {

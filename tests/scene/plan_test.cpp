@@ -63,9 +63,10 @@ TEST_CASE("a dark scene needs no transport", "[effects]") {
     SceneFiles files;
     add_not_convex(files);
     Plan plan = plan_of(files, instance("a", kGreyWalls) + "," + instance("b", kGreyWalls, "cave.rro"));
-    for (const char* effect : {"emitters", "interreflection", "occlusion", "self"})
-        CHECK(reason(plan, effect, false) == "no surface emits");
-    CHECK(reason(plan, "colour", false) == "all reflectances and exitances are grey");
+    CHECK(reason(plan, "emitters", false) == "no surface emits");
+    for (const char* effect : {"interreflection", "occlusion", "self"})
+        CHECK(reason(plan, effect, false) == "nothing gives light");
+    CHECK(reason(plan, "colour", false) == "every reflectance and every light is grey");
     CHECK(plan.channels == 1);
 }
 
@@ -130,9 +131,10 @@ TEST_CASE("effects are switched by hand with a warning", "[effects]") {
     Plan plan = plan_of(files, instance("a", kGreyLamp), {{"self"}, {"emitters", "sky"}});
     CHECK(reason(plan, "self", true) == "asked for by --with");
     CHECK(reason(plan, "emitters", false) == "left out by --without");
-    REQUIRE(plan.warnings.size() == 2);
+    REQUIRE(plan.warnings.size() == 3);
     CHECK_THAT(plan.warnings[0], Contains("--without emitters"));
     CHECK(plan.warnings[1] == "--with self: not called for (every object is convex or flat)");
+    CHECK_THAT(plan.warnings[2], Contains("--without sky"));
     CHECK(plan_of(files, instance("a", kGreyLamp), {{"colour"}, {}}).channels == 3);
 }
 
@@ -150,7 +152,6 @@ TEST_CASE("overrides that make no sense are wrong usage", "[effects]") {
                Contains("--without color: no such effect, expected one of: emitters, interreflection, occlusion, self, "
                         "colour, sky, sun, lights, transmission, textures, groups, medium"));
     CHECK(unknown.hint == "did you mean \"colour\"?");
-    CHECK(error({{"sun"}, {}}).message == "--with sun: not supported by this version");
     CHECK_THAT(error({{"self"}, {"self"}}).message, Contains("contradict"));
 }
 
@@ -172,6 +173,37 @@ TEST_CASE("what is left out by hand leaves the radiometry", "[effects]") {
     auto plan = plan_effects(left("colour"), {{}, {"colour"}});
     REQUIRE(plan);
     CHECK(plan->channels == 1);
+}
+
+TEST_CASE("light from outside is called for where the manifest has some that is not 0", "[effects]") {
+    SceneFiles files;
+    const auto plan_with = [&](const std::string& more, const EffectOverrides& overrides = {}) {
+        Scene scene = files.open(files.instances(instance("a", kGreyWalls), more));
+        leave_out(overrides, scene);
+        auto plan = plan_effects(scene, overrides);
+        if (!plan) FAIL(plan.error().message);
+        return std::move(*plan);
+    };
+    const std::string lit = R"(, "sky": {"radiance": [1, 1, 1], "ground": true},
+        "sun": {"direction": [0, -1, 0], "irradiance": [800, 800, 700]},
+        "lights": [{"name": "bulb", "type": "point", "position": [0, 3, 0], "intensity": [5, 5, 5], "group": "night"},
+                   {"name": "off", "type": "point", "position": [0, 3, 0], "intensity": [0, 0, 0]}],
+        "medium": {"absorption": [0.1, 0.1, 0.1]})";
+    Plan plan = plan_with(lit);
+    CHECK(reason(plan, "emitters", false) == "no surface emits");
+    CHECK(reason(plan, "interreflection", false) == "one object, convex or flat: nothing sees anything");
+    CHECK(reason(plan, "sky", true) == "light from above the horizon");
+    CHECK(reason(plan, "sun", true) == "irradiance (800, 800, 700) W/m^2");
+    CHECK(reason(plan, "lights", true) == "bulb: intensity 5 W/sr");
+    CHECK(reason(plan, "groups", true) == "light bulb is in light group night");
+    CHECK(reason(plan, "medium", true) == "absorption 0.1 1/m");
+    CHECK(reason(plan, "colour", true) == "sun: irradiance (800, 800, 700) W/m^2");
+    Plan without = plan_with(lit, {{}, {"sky", "sun", "lights", "medium", "groups"}});
+    for (const char* effect : {"sky", "sun", "lights", "groups", "medium"}) CHECK_FALSE(without.on(effect));
+    CHECK(reason(without, "interreflection", false) == "nothing gives light");
+    Plan dark = plan_with(R"(, "sky": {"radiance": [0, 0, 0]}, "medium": {"absorption": [0, 0, 0]})");
+    CHECK(reason(dark, "sky", false) == "its radiance is 0");
+    CHECK(reason(dark, "medium", false) == "its absorption is 0");
 }
 
 TEST_CASE("flatness survives the rounding of coordinates, and a dent is seen", "[effects][shape]") {

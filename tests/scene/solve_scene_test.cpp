@@ -42,6 +42,37 @@ TEST_CASE("a solution carries the effects and the plan's warnings", "[solve_scen
     CHECK(solution.seconds.total >= solution.seconds.plan);
 }
 
+TEST_CASE("a scene without light is exactly 0 at once, and says so", "[solve_scene]") {
+    SceneFiles files;
+    const Scene dark = files.open(files.instances(
+        R"({"name": "a", "archive": "box.rro", "materials": {"*": {"exitance": [0, 0, 0]}}})",
+        R"(, "sky": {"radiance": [0, 0, 0]})"));
+    for (const Method method : {Method::Reusable, Method::Reference}) {
+        SolveOptions options;
+        options.method = method;
+        const Solution s = solved(dark, options);
+        CHECK(s.converged);
+        CHECK(s.estimated_error == 0);
+        CHECK(s.rays == 0);
+        CHECK(s.links.total() == 0);
+        CHECK(s.instances[0].radiosity == std::vector<Rgb>(dark.instances[0].data().faces.size()));
+        CHECK(s.instances[0].standard_error.empty() == (method == Method::Reusable));
+        REQUIRE(s.warnings.size() == 1);
+        CHECK_THAT(s.warnings[0], Contains("nothing gives light"));
+    }
+}
+
+TEST_CASE("effects that only the reference has are wrong usage for the reusable method", "[solve_scene]") {
+    SceneFiles files;
+    const Scene scene = files.open(files.instances(kBox, R"(, "sky": {"radiance": [1, 1, 1]})"));
+    const auto refused = solve_scene(scene, {});
+    REQUIRE_FALSE(refused);
+    CHECK(refused.error().kind == ErrorKind::Usage);
+    CHECK(refused.error().message == "sky: --method reusable does not support it in this version");
+    const SolveOptions reference{.method = Method::Reference, .accuracy = {}, .samples = 4, .overrides = {}};
+    CHECK(solved(scene, reference).energy.emitted.x > 0);
+}
+
 TEST_CASE("options that the method does not know are wrong usage", "[solve_scene]") {
     SceneFiles files;
     const Scene scene = files.open(files.instances(kBox));
