@@ -97,7 +97,7 @@ double harm(const Guide& guide, const Nodes& nodes, std::uint32_t to, std::uint3
 
 LinkBuilder::LinkBuilder(const Nodes& nodes, const EndAreas& areas, const SceneRays& rays,
                          const TransportOptions& options)
-    : nodes_(nodes), areas_(areas), options_(options), visibility_(nodes.scene(), rays, options.visibility) {
+    : nodes_(nodes), areas_(areas), options_(options), visibility_(nodes.scene(), rays, link_method(options.visibility)) {
     double area = 0;
     for (std::uint32_t i = 0; i < nodes.scene().instances.size(); ++i) {
         instance_key_.push_back(hash_text(nodes.scene().instances[i].name));

@@ -70,6 +70,10 @@ struct Verdict {
     std::uint32_t rays = 0;
 };
 
+/// `auto` for links: rays. The ends of links are divided until they lie close to what casts shadows on them, so that
+/// silhouettes answer for fewer than one in a hundred of the links that need rays (tests/bench/README.md).
+VisibilityMethod link_method(VisibilityMethod asked);
+
 /// Decides about pairs. Holds no state of its own beyond references; safe to use from many threads.
 class LinkBuilder {
   public:

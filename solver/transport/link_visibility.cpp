@@ -66,6 +66,8 @@ EndPoint end_point(const Nodes& nodes, const EndAreas& areas, std::uint32_t id, 
 
 }  // namespace
 
+VisibilityMethod link_method(VisibilityMethod asked) { return asked == VisibilityMethod::Auto ? VisibilityMethod::Rays : asked; }
+
 std::uint64_t LinkBuilder::sample_key(std::uint32_t id) const {
     const Node& n = nodes_[id];
     if (n.group()) return group_key_[id];
@@ -121,13 +123,15 @@ Transmittance LinkBuilder::transmittance(const Offer& o, double noise, double ed
     return t;
 }
 
-// Faces have their own shape; of clusters and groups only the box is known.
+// Faces have their own shape and side; of clusters and groups only the box is known.
 ShaftEnd LinkBuilder::shaft_end(std::uint32_t id) const {
     const Node& n = nodes_[id];
-    if (!visibility_.looks_at_spread()) return {n.box, n.centre, {}};
-    if (n.kind != NodeKind::Surface) return box_end(n.box);
-    ShaftEnd end = triangle_end(nodes_.corners(id));
-    end.box = n.box;
+    ShaftEnd end{n.box, n.centre, {}, {}, 0};
+    if (visibility_.looks_at_spread()) end.spread = (n.planar() ? triangle_end(nodes_.corners(id)) : box_end(n.box)).spread;
+    if (n.planar()) {
+        end.front = n.normal();
+        end.height = dot(end.front, n.centre);
+    }
     return end;
 }
 

@@ -21,7 +21,7 @@ Box3 box_about(const Vec3& centre, const std::array<Vec3, 3>& spread) {
 
 ShaftEnd box_end(const Box3& box) {
     const Vec3 s = box.extent() * kDeviation;
-    return {box, box.centre(), {Vec3{s.x, 0, 0}, Vec3{0, s.y, 0}, Vec3{0, 0, s.z}}};
+    return {box, box.centre(), {Vec3{s.x, 0, 0}, Vec3{0, s.y, 0}, Vec3{0, 0, s.z}}, {}, 0};
 }
 
 // The covariance of a triangle is a twelfth of the sum over its corners; of their distances along a direction, which sum
@@ -38,7 +38,7 @@ ShaftEnd triangle_end(const TriangleCorners& corners) {
 
 ShaftEnd parallelogram_end(const Vec3& centre, const Vec3& side, const Vec3& other) {
     const std::array<Vec3, 3> spread{side * kDeviation, other * kDeviation, Vec3{}};
-    return {box_about(centre, spread), centre, spread};
+    return {box_about(centre, spread), centre, spread, {}, 0};
 }
 
 LocalShaft::LocalShaft(const Shaft& shaft, const Affine3& to_local)

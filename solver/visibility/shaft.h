@@ -16,6 +16,9 @@ struct ShaftEnd {
     Box3 box;
     Vec3 centre;
     std::array<Vec3, 3> spread;  // m
+    // All lines leave to this side of the end: nothing below `height` along the unit vector `front` meets them. 0: unknown.
+    Vec3 front;
+    double height = 0;
 };
 
 ShaftEnd box_end(const Box3& box);

@@ -7,6 +7,7 @@
 
 #include "format/parallel.h"
 #include "format/sample_points.h"
+#include "solver/visibility/clearance.h"
 
 namespace rro {
 namespace {
@@ -94,7 +95,9 @@ bool Visibility::settle(const Shaft& shaft, const Demand& demand, Lines& lines, 
     if (method_ == VisibilityMethod::None) return true;
     lines.listed = !shaft.crowd && rays_.candidates(shaft.a.box, shaft.b.box, lines.candidates, kMostCandidates);
     if (!lines.listed) return false;
-    std::erase_if(lines.candidates, [&](std::uint32_t i) { return i == shaft.passed[0] || i == shaft.passed[1]; });
+    std::erase_if(lines.candidates, [&](std::uint32_t i) {
+        return i == shaft.passed[0] || i == shaft.passed[1] || certainly_clear(shaft, scene_.instances[i]);
+    });
     if (lines.candidates.empty()) return true;
     if (looks_at_spread()) sort_along(shaft, lines.candidates);
     if (!silhouettes_.empty() && by_atlas(shaft, lines.candidates, demand, out)) return true;
