@@ -64,6 +64,14 @@ EndPoint end_point(const Nodes& nodes, const EndAreas& areas, std::uint32_t id, 
     }
 }
 
+// Rays whose agreement a proof is worth.
+constexpr std::uint32_t kAgreed = 16;
+
+/// Root mean square distance of an end's points from its centre, m.
+double deviation(const ShaftEnd& end) {
+    return std::sqrt(length2(end.spread[0]) + length2(end.spread[1]) + length2(end.spread[2]));
+}
+
 }  // namespace
 
 VisibilityMethod link_method(VisibilityMethod asked) { return asked == VisibilityMethod::Auto ? VisibilityMethod::Rays : asked; }
@@ -114,8 +122,20 @@ Transmittance LinkBuilder::transmittance(const Offer& o, double noise, double ed
                        {passed(na, mode_a, p.on.instance), passed(nb, mode_b, q.on.instance)}};
     };
     shaft.segment = std::cref(segment);
-    Transmittance t = visibility_.transmittance(shaft, link_demand(noise, edge));
-    t.variance += t.bias * t.bias;
+    const Demand demand = link_demand(noise, edge);
+    Transmittance t = visibility_.transmittance(shaft, demand);
+    if (t.proven) {
+        // The error model of links was fitted with what Laplace's rule leaves to rays that agree: a share of it stands for
+        // errors of other kinds at the same ends.
+        const Transmittance agreeing = outcome(demand, {kAgreed, kAgreed, kAgreed, 1, 1, 0});
+        t.variance = agreeing.variance;
+        t.spread = agreeing.spread;
+    }
+    if (t.bias > 0) {
+        // Silhouettes and tables count all lines of a shaft alike; lines of nearer points bring more light.
+        const double uneven = 2 * (deviation(shaft.a) + deviation(shaft.b)) / length(shaft.b.centre - shaft.a.centre);
+        t.variance += t.bias * t.bias + t.mean * (1 - t.mean) * uneven * uneven;
+    }
     if (o.own >= 0) {
         t.mean *= o.own;
         t.spread += o.own * (1 - o.own);

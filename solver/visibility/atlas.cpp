@@ -160,7 +160,7 @@ Cover SilhouetteSums::cover(const LocalShaft& shaft) const {
     if (known == Cover::Kind::Dark) return {known, 1, 0};
     if (section.narrow * grid_.n() < kNarrowest * radius_) return c;
     c.kind = Cover::Kind::Partial;
-    c.share = blended_share(section, shaft);
+    c.share = std::clamp(blended_share(section, shaft), 0.0, 1.0);  // weights are floats
     const double partial = std::min(1.0, 4 * c.share * (1 - c.share) + kCertain);
     c.error = std::hypot(kBlendError, kEdgeError * radius_ / section.narrow) * std::sqrt(partial);
     return c;

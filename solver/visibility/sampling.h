@@ -41,6 +41,7 @@ struct Transmittance {
     double spread = 0;    // variance of one ray: a shadow's edge
     std::uint32_t rays = 0;
     bool edge = false;    // some pass and some do not
+    bool proven = false;  // an object near the shaft was found not to reach into it
 
     double error() const;  // of the mean, root mean square
 };

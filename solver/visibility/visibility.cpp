@@ -95,9 +95,8 @@ bool Visibility::settle(const Shaft& shaft, const Demand& demand, Lines& lines, 
     if (method_ == VisibilityMethod::None) return true;
     lines.listed = !shaft.crowd && rays_.candidates(shaft.a.box, shaft.b.box, lines.candidates, kMostCandidates);
     if (!lines.listed) return false;
-    std::erase_if(lines.candidates, [&](std::uint32_t i) {
-        return i == shaft.passed[0] || i == shaft.passed[1] || certainly_clear(shaft, scene_.instances[i]);
-    });
+    std::erase_if(lines.candidates, [&](std::uint32_t i) { return i == shaft.passed[0] || i == shaft.passed[1]; });
+    out.proven = std::erase_if(lines.candidates, [&](std::uint32_t i) { return certainly_clear(shaft, scene_.instances[i]); }) > 0;
     if (lines.candidates.empty()) return true;
     if (looks_at_spread()) sort_along(shaft, lines.candidates);
     if (!silhouettes_.empty() && by_atlas(shaft, lines.candidates, demand, out)) return true;
@@ -123,6 +122,7 @@ void Visibility::sort_along(const Shaft& shaft, Candidates& candidates) const {
 
 // Several objects in line let through the product of what each does.
 bool Visibility::by_atlas(const Shaft& shaft, const Candidates& candidates, const Demand& demand, Transmittance& out) const {
+    out.proven = false;
     double mean = 1, squares = 0;
     std::size_t partial = 0;
     bool unknown = false;
