@@ -33,6 +33,7 @@ struct EffectPlan {
     double seconds = 0;    // actual work, after the solve
 };
 
+/// Wall time of each phase; they do not overlap. Visibility is part of making links, and takes its share of the threads' time.
 struct PhaseSeconds {
     double load = 0, plan = 0, links = 0, visibility = 0, iterate = 0, output = 0, total = 0;
 };

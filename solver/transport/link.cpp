@@ -5,6 +5,7 @@
 
 #include "format/form_factor.h"
 #include "format/sample_points.h"
+#include "solver/transport/ticks.h"
 
 namespace rro {
 
@@ -533,8 +534,10 @@ Verdict LinkBuilder::settle(const Offer& o, const Guide& guide) const {
     const double shadow_a = o.exchange * shadow_share(na), shadow_b = o.exchange * shadow_share(nb);
     const double edge = o.negligible ? 0.0 : harm_of(guide, o, shadow_a, shadow_b);
     Transmittance t;
-    if (o.a != o.b) t = transmittance(o, std::max(loud(o.a, o.b), loud(o.b, o.a)) / kNoiseShare, edge);
     Verdict v;
+    const std::uint64_t begun = ticks();
+    if (o.a != o.b) t = transmittance(o, std::max(loud(o.a, o.b), loud(o.b, o.a)) / kNoiseShare, edge);
+    v.visibility_ticks = ticks() - begun;
     v.rays = t.rays;
     const double deviation = std::sqrt(t.spread);
     if ((t.edge || o.own >= 0) && !o.negligible && harm_of(guide, o, deviation * shadow_a, deviation * shadow_b) > 1) {

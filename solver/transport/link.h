@@ -68,6 +68,7 @@ struct Verdict {
     Action action = Action::Drop;
     Link link;
     std::uint32_t rays = 0;
+    std::uint64_t ticks = 0, visibility_ticks = 0;  // of all judging, of visibility alone
 };
 
 /// `auto` for links: rays. The ends of links are divided until they lie close to what casts shadows on them, so that

@@ -193,6 +193,8 @@ Result<Solution> solve(const Scene& scene, const Plan& plan, const TransportOpti
     solution.estimated_error = std::hypot(error, residual.relative);
     solution.converged = solution.estimated_error <= options.accuracy;
     solution.rays = set.rays;
+    solution.seconds.visibility = set.visibility_seconds;
+    solution.seconds.links -= set.visibility_seconds;
     for (const Link& l : set.links) {
         if (!nodes[l.a].group() && nodes[l.a].instance == nodes[l.b].instance) ++solution.links.self;
         else ++(l.mean() ? solution.links.near : solution.links.far);

@@ -79,8 +79,9 @@ double SilhouetteSums::blended_share(const CrossSection& section, const LocalSha
         const double forward = dot(u, section.direction), lengthwise = dot(u, section.major) * (1 - 1.0 / pieces);
         const Vec3 seen = u - section.direction * forward - section.major * lengthwise;
         double variance = 0;
-        for (const Vec3& s : shaft.spread_a) variance += std::pow((1 - section.t) * dot(s, seen), 2);
-        for (const Vec3& s : shaft.spread_b) variance += std::pow(section.t * dot(s, seen), 2);
+        const auto square = [](double x) { return x * x; };
+        for (const Vec3& s : shaft.spread_a) variance += square((1 - section.t) * dot(s, seen));
+        for (const Vec3& s : shaft.spread_b) variance += square(section.t * dot(s, seen));
         return std::sqrt(3 * variance);
     };
     const double pixels = size_ / (2 * radius_);
@@ -145,11 +146,22 @@ Cover::Kind SilhouetteSums::proof(const LocalShaft& shaft, std::uint32_t line) c
     return Cover::Kind::Partial;
 }
 
+// Lines lie in the hull of two spheres about the ends, and the object in one of its own.
+bool SilhouetteSums::passes_by(const LocalShaft& shaft, const CrossSection& section) const {
+    const auto radius = [](const std::array<Vec3, 3>& spread) {
+        return std::sqrt(3.0) * (length(spread[0]) + length(spread[1]) + length(spread[2]));
+    };
+    const Vec3 nearest = shaft.a + (shaft.b - shaft.a) * std::clamp(section.t, 0.0, 1.0);
+    const double reach = std::max(radius(shaft.spread_a), radius(shaft.spread_b)) + radius_;
+    return length2(nearest - centre_) > reach * reach;
+}
+
 Cover SilhouetteSums::cover(const LocalShaft& shaft) const {
     Cover c;
     const Vec3 axis = shaft.b - shaft.a;
     if (!(length2(axis) > 0)) return c;
     const CrossSection section = cross_section(shaft, centre_);
+    if (passes_by(shaft, section)) return {Cover::Kind::Clear, 0, 0};
     const double along = section.t * length(axis), rest = length(axis) - along;
     if (along - radius_ <= reach(shaft.spread_a, section.direction) || rest - radius_ <= reach(shaft.spread_b, section.direction))
         return c;

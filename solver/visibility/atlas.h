@@ -43,6 +43,7 @@ class SilhouetteSums {
     double sum_below(std::uint32_t line, double column, double row) const;
     double covered_share(std::uint32_t line, const Footprint& f) const;
     double blended_share(const CrossSection& section, const LocalShaft& shaft) const;
+    bool passes_by(const LocalShaft& shaft, const CrossSection& section) const;
     Cover::Kind proof(const LocalShaft& shaft, std::uint32_t line) const;
 
     DirectionGrid grid_;

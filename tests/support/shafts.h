@@ -57,6 +57,14 @@ inline std::vector<Shaft> shafts_through(double radius, double side, std::size_t
     return out;
 }
 
+/// All that visibility looks at, and nothing else.
+inline CompileOptions visibility_tables(bool every_node = false) {
+    CompileOptions options;
+    options.tables.errors = options.tables.selflinks = false;
+    options.tables.every_node = every_node;
+    return options;
+}
+
 inline Demand fixed_rays(std::uint32_t rays, LinePoints points = LinePoints::Sobol) {
     Demand d;
     d.rule = StopRule::Fixed;

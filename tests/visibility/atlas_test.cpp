@@ -17,7 +17,7 @@ Affine3 stretched(double x, double y, double z, const Vec3& to) {
 TEST_CASE("silhouettes agree with rays within their own error on wide clean shafts", "[visibility][atlas]") {
     const Mesh mesh = make_torus(24, 12, 0.7, 0.25);
     for (const auto& place : {Affine3{}, stretched(1, 0.8, -0.7, {0, 0, 0})}) {
-        const Scene scene = make_scene({{mesh, place}});
+        const Scene scene = make_scene({{mesh, place}}, visibility_tables());
         const SceneRays rays(scene);
         const Visibility atlas(scene, rays, VisibilityMethod::Atlas);
         for (const double side : {0.5, 1.0}) {
@@ -40,7 +40,7 @@ TEST_CASE("silhouettes agree with rays within their own error on wide clean shaf
 }
 
 TEST_CASE("what a silhouette covers whole is dark to the last bit", "[visibility][atlas]") {
-    const Scene scene = make_scene({{make_box(4, 4, 0.2)}});
+    const Scene scene = make_scene({{make_box(4, 4, 0.2)}}, visibility_tables());
     const SceneRays rays(scene);
     const Visibility atlas(scene, rays, VisibilityMethod::Atlas);
     const Shaft shaft = shaft_between(square({0.1, 0, -5}, {0, 0, 1}, 1), square({0, 0.2, 5}, {0, 0, 1}, 1), 3);
@@ -51,7 +51,7 @@ TEST_CASE("what a silhouette covers whole is dark to the last bit", "[visibility
 }
 
 TEST_CASE("narrow shafts and ends within the object's sphere are left to rays", "[visibility][atlas]") {
-    const Scene scene = make_scene({{make_torus(24, 12, 0.7, 0.25)}});
+    const Scene scene = make_scene({{make_torus(24, 12, 0.7, 0.25)}}, visibility_tables());
     const SceneRays rays(scene);
     const Visibility atlas(scene, rays, VisibilityMethod::Atlas), exact(scene, rays, VisibilityMethod::Rays);
     const Shaft narrow = shaft_between(square({0.7, -3, 0.1}, {0, 1, 0}, 0.2), square({0.75, 3, 0}, {0, 1, 0}, 0.2), 1);
@@ -65,8 +65,10 @@ TEST_CASE("narrow shafts and ends within the object's sphere are left to rays", 
 
 TEST_CASE("silhouettes in line multiply", "[visibility][atlas]") {
     const Mesh mesh = make_torus(24, 12, 0.7, 0.25);
-    const Scene both = make_scene({{mesh, translation({0, 2, 0})}, {mesh, translation({0, -2, 0})}});
-    const Scene first = make_scene({{mesh, translation({0, 2, 0})}}), second = make_scene({{mesh, translation({0, -2, 0})}});
+    const Scene first = make_scene({{mesh, translation({0, 2, 0})}}, visibility_tables());
+    const Scene second = make_scene({{mesh, translation({0, -2, 0})}}, visibility_tables());
+    Scene both = make_scene({{mesh, translation({0, 2, 0})}}, visibility_tables());
+    add_instance(both, *both.objects[0], translation({0, -2, 0}), {}, {});
     const Shaft shaft = shaft_between(square({0.3, -6, 0.1}, {0, 1, 0}, 1), square({0.5, 6, 0}, {0, 1, 0}, 1), 1);
     const auto of = [&](const Scene& scene) {
         const SceneRays rays(scene);
@@ -80,7 +82,7 @@ TEST_CASE("silhouettes in line multiply", "[visibility][atlas]") {
 }
 
 TEST_CASE("auto asks silhouettes where their error is allowed, and rays elsewhere", "[visibility][auto]") {
-    const Scene scene = make_scene({{make_torus(24, 12, 0.7, 0.25)}});
+    const Scene scene = make_scene({{make_torus(24, 12, 0.7, 0.25)}}, visibility_tables());
     const SceneRays rays(scene);
     const Visibility automatic(scene, rays, VisibilityMethod::Auto);
     const Shaft shaft = shaft_between(square({0.6, -4, 0.1}, {0, 1, 0}, 0.8), square({0.6, 4, 0}, {0, 1, 0}, 0.8), 1);

@@ -37,7 +37,7 @@ Scene cluttered_room() {
 }  // namespace
 
 TEST_CASE("without visibility everything passes", "[visibility]") {
-    const Scene scene = make_scene({{make_sphere(2)}});
+    const Scene scene = make_scene({{make_sphere(1)}}, visibility_tables());
     const SceneRays rays(scene);
     const Visibility none(scene, rays, VisibilityMethod::None);
     for (const Shaft& shaft : shafts_through(0.9, 0.5, 5)) {
@@ -50,7 +50,7 @@ TEST_CASE("without visibility everything passes", "[visibility]") {
 
 TEST_CASE("what is said to be clear meets no ray", "[visibility][clearance]") {
     const Affine3 place{{{Vec3{1, 0.4, 0}, Vec3{-0.3, 1, 0.2}, Vec3{0, 0, 0.7}}}, {0.2, -0.1, 0.3}};
-    const Scene scene = make_scene({{make_torus(24, 12, 0.8, 0.15), place}});
+    const Scene scene = make_scene({{make_torus(24, 12, 0.8, 0.15), place}}, visibility_tables());
     const SceneRays rays(scene);
     int clear = 0, open = 0;
     for (const Shaft& shaft : shafts_through(1.2, 0.2, 400)) {
@@ -65,7 +65,7 @@ TEST_CASE("what is said to be clear meets no ray", "[visibility][clearance]") {
 }
 
 TEST_CASE("what lies behind the ends of a shaft is not in its way", "[visibility][clearance]") {
-    const Scene scene = make_scene({{turned_inside_out(make_box(2, 2, 2, 4))}});
+    const Scene scene = make_scene({{turned_inside_out(make_box(2, 2, 2, 4))}}, visibility_tables());
     ShaftEnd floor = parallelogram_end({0.25, -1, 0.25}, {0.5, 0, 0}, {0, 0, 0.5});
     ShaftEnd wall = parallelogram_end({-1, 0.25, 0.25}, {0, 0.5, 0}, {0, 0, 0.5});
     Shaft shaft;
@@ -81,7 +81,7 @@ TEST_CASE("what lies behind the ends of a shaft is not in its way", "[visibility
 }
 
 TEST_CASE("visibility does not depend on the number of threads", "[visibility]") {
-    const Scene scene = make_scene({{make_torus(24, 12, 0.7, 0.25)}});
+    const Scene scene = make_scene({{make_torus(24, 12, 0.7, 0.25)}}, visibility_tables());
     const SceneRays rays(scene);
     std::vector<Shaft> shafts = shafts_through(0.95, 0.3, 100);
     std::vector<std::vector<std::uint32_t>> neighbours(shafts.size());
@@ -133,7 +133,7 @@ TEST_CASE("a closed room inside a closed room lets nothing in, to the last bit",
                         {0.2, -0.3, 0.1}};
     const Mesh inner = merged(make_box(size, size, size, 2),
                               turned_inside_out(make_box(size - 2 * thin, size - 2 * thin, size - 2 * thin, 2)));
-    const Scene scene = make_scene({{turned_inside_out(make_box(4, 4, 4, 2))}, {inner, askew}});
+    const Scene scene = make_scene({{turned_inside_out(make_box(4, 4, 4, 2))}, {inner, askew}}, visibility_tables());
     const SceneRays rays(scene);
     std::uint64_t state = 3;
     for (int k = 0; k < 200; ++k) {
