@@ -66,7 +66,7 @@ void declare_run(CLI::App& run, Arguments& a) {
     run.add_option("--transport", a.transport,
                    "directional, or plain: alike in all directions, as in the paper (default: directional)")
         ->type_name("HOW");
-    run.add_option("--visibility", a.visibility, "auto, rays or none")->type_name("HOW")->capture_default_str();
+    run.add_option("--visibility", a.visibility, "auto, atlas, tables, rays or none")->type_name("HOW")->capture_default_str();
     run.add_option("--samples", a.samples, "Paths per triangle (reference); 0: as --accuracy needs")->type_name("N");
     run.add_option("--seed", a.seed, "Seed of all random choices")->type_name("N")->capture_default_str();
     run.add_option("--memory", a.memory, "Most memory to use (default: 8G or ulimit -v)")->type_name("8G");
@@ -117,7 +117,7 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 /// What a run uses of the archives.
 SectionSet sections_for(const Arguments& a, const Job& job) {
     SectionSet wanted = kGeometry;
-    if (job.solve.method == Method::Reusable) wanted = wanted | kTables;
+    if (job.solve.method == Method::Reusable) wanted = wanted | kTables | sections_of(job.solve.visibility);
     if (!a.radiosity.empty()) wanted = wanted | Section::Source;
     return wanted;
 }

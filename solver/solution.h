@@ -41,6 +41,7 @@ struct EffectPlan {
     std::optional<Work> predicted = {};  // before it; none where there is no model of the work
 };
 
+/// Wall time of each phase; they do not overlap. Visibility is part of making links, and takes its share of the threads' time.
 struct PhaseSeconds {
     double load = 0, plan = 0, links = 0, visibility = 0, iterate = 0, output = 0, total = 0;
 };

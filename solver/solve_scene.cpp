@@ -33,8 +33,8 @@ Error usage(std::string message) {
 /// The reference knows nothing but the whole truth.
 Status check_reference_options(const SolveOptions& options) {
     if (options.transport) return usage("--transport is for --method reusable; the reference follows single paths of light");
-    if (options.visibility == TransportOptions::Visibility::None)
-        return usage("--visibility none is for --method reusable; the reference always traces rays");
+    if (options.visibility != VisibilityMethod::Auto && options.visibility != VisibilityMethod::Rays)
+        return usage("--visibility atlas, tables and none are for --method reusable; the reference always traces rays");
     for (const char* effect : {"interreflection", "occlusion", "self"})
         if (std::find(options.overrides.without.begin(), options.overrides.without.end(), effect) !=
             options.overrides.without.end())
@@ -80,6 +80,8 @@ Result<Solution> solve_by_method(const Scene& scene, const Plan& plan, const Sol
     transport.seed = options.seed;
     transport.visibility = options.visibility;
     const bool plain = options.transport == Transport::Plain;
+    if (plain && (options.visibility == VisibilityMethod::Atlas || options.visibility == VisibilityMethod::Tables))
+        return usage("--visibility atlas and tables are for --transport directional");
     return (plain ? solve_plain : solve_reusable)(scene, plan, transport, progress);
 }
 
@@ -99,15 +101,14 @@ Result<Transport> parse_transport(std::string_view name) {
     return usage("--transport " + std::string(name) + ": no such transport, expected directional or plain");
 }
 
-Result<TransportOptions::Visibility> parse_visibility(std::string_view name) {
-    using Visibility = TransportOptions::Visibility;
-    if (name == "auto") return Visibility::Auto;
-    if (name == "rays") return Visibility::Rays;
-    if (name == "none") return Visibility::None;
-    const std::string found = "--visibility " + std::string(name);
-    if (name == "atlas" || name == "tables")
-        return usage(found + ": not supported by this version, expected auto, rays or none");
-    return usage(found + ": no such visibility, expected auto, rays or none");
+Result<VisibilityMethod> parse_visibility(std::string_view name) {
+    if (name == "auto") return VisibilityMethod::Auto;
+    if (name == "atlas") return VisibilityMethod::Atlas;
+    if (name == "tables") return VisibilityMethod::Tables;
+    if (name == "rays") return VisibilityMethod::Rays;
+    if (name == "none") return VisibilityMethod::None;
+    return usage("--visibility " + std::string(name) +
+                 ": no such visibility, expected auto, atlas, tables, rays or none");
 }
 
 Result<Solution> solve_scene(const Scene& scene, const SolveOptions& options, const Progress& progress) {

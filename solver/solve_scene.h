@@ -26,7 +26,7 @@ enum class Transport { Directional, Plain };
 struct SolveOptions {
     Method method = Method::Reusable;
     std::optional<double> accuracy;  // relative error, in (0, 1]; beats the manifest's, which beats 0.02
-    TransportOptions::Visibility visibility = TransportOptions::Visibility::Auto;
+    VisibilityMethod visibility = VisibilityMethod::Auto;
     std::uint32_t samples = 0;  // per face, for the reference; 0: as many as the accuracy needs
     std::uint64_t seed = 1;
     EffectOverrides overrides;
@@ -36,7 +36,7 @@ struct SolveOptions {
 /// errors   Usage: not a name of the contract, or not supported by this version (lists those that are)
 Result<Method> parse_method(std::string_view name);
 Result<Transport> parse_transport(std::string_view name);
-Result<TransportOptions::Visibility> parse_visibility(std::string_view name);
+Result<VisibilityMethod> parse_visibility(std::string_view name);
 
 /// Plans the effects and solves. What `overrides` take out of the radiometry has left the scene before (leave_out).
 ///

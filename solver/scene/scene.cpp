@@ -62,12 +62,14 @@ Result<ArchiveFiles> archive_files(const Manifest& manifest) {
 /// Tables are optional in an archive, but not for those who compute with them.
 Status check_tables(const Archive& archive, SectionSet wanted, const std::filesystem::path& path) {
     const ObjectData& data = archive.data();
-    const auto missing = [&](const char* section) {
-        return bad_input(path.string(), "has no section " + std::string(section) + ", which --method reusable needs",
-                         "compile it with --tables default");
+    const auto missing = [&](const char* section, const char* user = "--method reusable") {
+        return bad_input(path.string(), "has no section " + std::string(section) + ", which " + user + " needs",
+                         "compile it with rro-compile build --tables default");
     };
     if (wanted.has(Section::Area) && (data.whole_area.empty() || data.intrinsic_area.empty())) return missing("area");
     if (wanted.has(Section::Visibility) && data.visibility.empty()) return missing("visibility");
+    if (wanted.has(Section::Hit) && data.hit_volumes.empty()) return missing("hit", "--visibility tables");
+    if (wanted.has(Section::Atlas) && data.atlas_coverage.empty()) return missing("atlas", "--visibility atlas");
     return Done{};
 }
 

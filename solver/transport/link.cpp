@@ -6,6 +6,7 @@
 #include "format/form_factor.h"
 #include "format/sample_points.h"
 #include "solver/transport/flat_light.h"
+#include "solver/transport/ticks.h"
 
 namespace rro {
 
@@ -103,7 +104,7 @@ double harm(const Guide& guide, const Nodes& nodes, std::uint32_t to, std::uint3
 
 LinkBuilder::LinkBuilder(const Nodes& nodes, const EndAreas& areas, const SceneRays& rays,
                          const TransportOptions& options)
-    : nodes_(nodes), areas_(areas), rays_(rays), options_(options) {
+    : nodes_(nodes), areas_(areas), options_(options), visibility_(nodes.scene(), rays, link_method(options.visibility)) {
     double area = 0;
     for (std::uint32_t i = 0; i < nodes.scene().instances.size(); ++i) {
         instance_key_.push_back(hash_text(nodes.scene().instances[i].name));
@@ -571,8 +572,10 @@ Verdict LinkBuilder::settle(const Offer& o, const Guide& guide) const {
     const double shadow_a = o.exchange * shadow_share(na), shadow_b = o.exchange * shadow_share(nb);
     const double edge = o.negligible ? 0.0 : harm_of(guide, o, shadow_a, shadow_b);
     Transmittance t;
-    if (o.a != o.b) t = transmittance(o, std::max(loud(o.a, o.b), loud(o.b, o.a)) / kNoiseShare, edge);
     Verdict v;
+    const std::uint64_t begun = ticks();
+    if (o.a != o.b) t = transmittance(o, std::max(loud(o.a, o.b), loud(o.b, o.a)) / kNoiseShare, edge);
+    v.visibility_ticks = ticks() - begun;
     v.rays = t.rays;
     const double deviation = std::sqrt(t.spread);
     if ((t.edge || o.own >= 0) && !o.negligible && harm_of(guide, o, deviation * shadow_a, deviation * shadow_b) > 1) {

@@ -7,7 +7,7 @@
 #include "solver/transport/direction_bins.h"
 #include "solver/transport/nodes.h"
 #include "solver/transport/transport.h"
-#include "solver/visibility/scene_rays.h"
+#include "solver/visibility/visibility.h"
 
 namespace rro {
 
@@ -68,7 +68,12 @@ struct Verdict {
     Action action = Action::Drop;
     Link link;
     std::uint32_t rays = 0;
+    std::uint64_t ticks = 0, visibility_ticks = 0;  // of all judging, of visibility alone
 };
+
+/// `auto` for links: rays. The ends of links are divided until they lie close to what casts shadows on them, so that
+/// silhouettes answer for fewer than one in a hundred of the links that need rays (tests/bench/README.md).
+VisibilityMethod link_method(VisibilityMethod asked);
 
 /// Decides about pairs. Holds no state of its own beyond references; safe to use from many threads.
 class LinkBuilder {
@@ -143,19 +148,15 @@ class LinkBuilder {
     /// Asks for the visibility and makes it a link, or divides where a shadow's edge crosses it.
     Verdict settle(const Offer& o, const Guide& guide) const;
 
-    /// Mean transmittance between two ends, the variance of that mean, and that of one ray: a shadow's edge. Rays are
-    /// added until noise * variance is at most 1, and, where all rays agree, edge * spread as well.
-    struct Transmittance {
-        double mean = 1, variance = 0, spread = 0;
-        std::uint32_t rays = 0;
-        bool edge = false;  // rays disagree
-    };
+    /// What gets past everything else, by the method asked for: as sure as `noise` times its variance at most 1, and, where
+    /// all rays agree, edge * spread as well.
     Transmittance transmittance(const Offer& o, double noise, double edge) const;
+    ShaftEnd shaft_end(std::uint32_t node) const;
 
     const Nodes& nodes_;
     const EndAreas& areas_;
-    const SceneRays& rays_;
     const TransportOptions& options_;
+    const Visibility visibility_;
     std::vector<std::uint64_t> instance_key_;  // from the name
     std::vector<std::uint64_t> group_key_;     // from its members' names
     std::vector<double> group_table_error_;    // relative, of the projected area

@@ -1,5 +1,7 @@
-// How much of a pair's light gets past everything else: rays between points of both ends.
+// How much of a pair's light gets past everything else: the pair as a shaft, whose lines join points of faces that look at one
+// another.
 #include <bit>
+#include <functional>
 #include <tuple>
 
 #include "format/sample_points.h"
@@ -8,19 +10,6 @@
 namespace rro {
 
 namespace {
-
-// Shafts with more candidates than this are not listed.
-constexpr std::size_t kMostCandidates = 64;
-
-constexpr std::uint32_t kFirstRays = 4, kMostRays = 256, kAgreeingRays = 16;
-
-// Where all rays agree there is mostly no edge at all: what Laplace's rule allows for it counts by this part.
-constexpr double kUnseenEdge = 0.1;
-// An edge that is this many times too strong divides the link without further rays.
-constexpr double kClearEdge = 4;
-
-// Owen-scrambled points halve the deviation of independent ones at these counts (measured for penumbrae).
-constexpr double kSobolGain = 0.6;
 
 // A point on an end of a link, on a face that looks towards `towards` where there is one.
 struct EndPoint {
@@ -75,7 +64,17 @@ EndPoint end_point(const Nodes& nodes, const EndAreas& areas, std::uint32_t id, 
     }
 }
 
+// Rays whose agreement a proof is worth.
+constexpr std::uint32_t kAgreed = 16;
+
+/// Root mean square distance of an end's points from its centre, m.
+double deviation(const ShaftEnd& end) {
+    return std::sqrt(length2(end.spread[0]) + length2(end.spread[1]) + length2(end.spread[2]));
+}
+
 }  // namespace
+
+VisibilityMethod link_method(VisibilityMethod asked) { return asked == VisibilityMethod::Auto ? VisibilityMethod::Rays : asked; }
 
 std::uint64_t LinkBuilder::sample_key(std::uint32_t id) const {
     const Node& n = nodes_[id];
@@ -89,15 +88,8 @@ std::uint64_t LinkBuilder::sample_key(std::uint32_t id) const {
     return k;
 }
 
-LinkBuilder::Transmittance LinkBuilder::transmittance(const Offer& o, double noise, double edge) const {
+Transmittance LinkBuilder::transmittance(const Offer& o, double noise, double edge) const {
     auto [a, b, mode_a, mode_b] = std::tuple(o.a, o.b, o.mode_a, o.mode_b);
-    const double own = o.own;
-    Transmittance t;
-    if (own >= 0) {
-        t.mean = own;
-        t.spread = own * (1 - own);
-    }
-    if (options_.visibility == TransportOptions::Visibility::None) return t;
     // The pair is sampled the same way whichever end is named first and wherever the instance stands in the manifest.
     std::uint64_t key_a = sample_key(a), key_b = sample_key(b);
     if (key_a > key_b) {
@@ -107,61 +99,60 @@ LinkBuilder::Transmittance LinkBuilder::transmittance(const Offer& o, double noi
     }
     const Node &na = nodes_[a], &nb = nodes_[b];
     // An end's own object is in its table, or known, or cannot come between the end and anything in front of it.
-    const auto cleared = [&](const Node& n, EndMode mode, std::uint32_t i) {
-        return own >= 0 || mode == EndMode::Outside || nodes_.instance(i).planar ||
-               (nodes_.scene().instances[i].data().meta.convex && n.kind == NodeKind::Surface);
+    const auto passed = [&](const Node& n, EndMode mode, std::uint32_t i) {
+        const bool cleared = o.own >= 0 || mode == EndMode::Outside || nodes_.instance(i).planar ||
+                             (nodes_.scene().instances[i].data().meta.convex && n.kind == NodeKind::Surface);
+        return cleared ? i : kNoInstance;
     };
-    thread_local Candidates candidates;
-    // Rays find their own way through a crowd, and to the members of groups.
-    const bool listed = !na.group() && !nb.group() && rays_.candidates(na.box, nb.box, candidates, kMostCandidates);
-    if (listed) {
-        std::erase_if(candidates, [&](std::uint32_t i) {
-            return (na.instance == i && cleared(na, mode_a, i)) || (nb.instance == i && cleared(nb, mode_b, i));
-        });
-        if (candidates.empty()) return t;
-    }
-    const auto blocked = [&](const EndPoint& p, const EndPoint& q) {
-        if (listed) return rays_.occluded(p.position, q.position, p.on, q.on, candidates);
-        const std::uint32_t i = p.on.instance, j = q.on.instance;
-        return rays_.occluded(p.position, q.position, p.on, q.on,
-                              {cleared(na, mode_a, i) ? i : kNoInstance, cleared(nb, mode_b, j) ? j : kNoInstance});
+    Shaft shaft;
+    shaft.crowd = na.group() || nb.group();
+    if (!shaft.crowd) shaft.passed = {passed(na, mode_a, na.instance), passed(nb, mode_b, nb.instance)};
+    shaft.a = shaft_end(a);
+    shaft.b = shaft_end(b);
+    shaft.seed = mix64(key_a ^ mix64(key_b ^ options_.seed));
+    const double nearest = std::max(0.25 * double(na.radius + nb.radius), 1e-3 * length(nb.centre - na.centre));
+    const auto segment = [&](const std::array<float, 4>& s) {
+        const EndPoint p = end_point(nodes_, areas_, a, nb.centre, double(s[0]), double(s[1]));
+        const EndPoint q = end_point(nodes_, areas_, b, na.centre, double(s[2]), double(s[3]));
+        const Vec3 w = q.position - p.position;
+        const double d2 = length2(w);
+        const double weight = std::max(0.0, dot(p.normal, w)) * std::max(0.0, -dot(q.normal, w)) /
+                              std::max(d2, 1e-300) / std::max(d2, nearest * nearest);
+        return Segment{p.position, q.position, p.on, q.on, weight,
+                       {passed(na, mode_a, p.on.instance), passed(nb, mode_b, q.on.instance)}};
     };
-
-    const std::uint64_t seed = mix64(key_a ^ mix64(key_b ^ options_.seed));
-    const double distance = length(nb.centre - na.centre);
-    const double nearest2 = std::pow(std::max(0.25 * double(na.radius + nb.radius), 1e-3 * distance), 2);
-    double open = 0, total = 0;
-    std::uint32_t hits = 0, count = 0;
-    for (std::uint32_t end = kFirstRays; count < kMostRays; end *= 2) {
-        for (; count < end; ++count) {
-            const auto s = sobol4(count, seed);
-            const EndPoint p = end_point(nodes_, areas_, a, nb.centre, double(s[0]), double(s[1]));
-            const EndPoint q = end_point(nodes_, areas_, b, na.centre, double(s[2]), double(s[3]));
-            const Vec3 w = q.position - p.position;
-            const double d2 = length2(w);
-            const double weight = std::max(0.0, dot(p.normal, w)) * std::max(0.0, -dot(q.normal, w)) /
-                                  std::max(d2, 1e-300) / std::max(d2, nearest2);
-            if (weight <= 0) continue;
-            total += weight;
-            ++t.rays;
-            if (blocked(p, q))
-                ++hits;
-            else
-                open += weight;
-        }
-        // Laplace's rule has no certainty at 0 or 1: rays that agree may have missed an edge.
-        const double m = t.rays, v = (m - hits + 1) / (m + 2);
-        const bool agree = hits == 0 || hits == t.rays;
-        t.variance = kSobolGain * kSobolGain * v * (1 - v) / std::max(1.0, m);
-        t.edge = !agree;
-        t.spread = v * (1 - v) * (agree ? kUnseenEdge : 1.0);
-        if (!agree && edge * t.spread > kClearEdge) break;
-        if (noise * t.variance <= 1 && (!agree || m >= kAgreeingRays || edge * std::sqrt(t.spread) <= 1)) break;
+    shaft.segment = std::cref(segment);
+    const Demand demand = link_demand(noise, edge);
+    Transmittance t = visibility_.transmittance(shaft, demand);
+    if (t.proven) {
+        // The error model of links was fitted with what Laplace's rule leaves to rays that agree: a share of it stands for
+        // errors of other kinds at the same ends.
+        const Transmittance agreeing = outcome(demand, {kAgreed, kAgreed, kAgreed, 1, 1, 0});
+        t.variance = agreeing.variance;
+        t.spread = agreeing.spread;
     }
-    const double known = own >= 0 ? own : 1;
-    t.mean = total > 0 ? known * open / total : 0.0;  // 0: no pair of points faces one another
-    t.spread += known * (1 - known);
+    if (t.bias > 0) {
+        // Silhouettes and tables count all lines of a shaft alike; lines of nearer points bring more light.
+        const double uneven = 2 * (deviation(shaft.a) + deviation(shaft.b)) / length(shaft.b.centre - shaft.a.centre);
+        t.variance += t.bias * t.bias + t.mean * (1 - t.mean) * uneven * uneven;
+    }
+    if (o.own >= 0) {
+        t.mean *= o.own;
+        t.spread += o.own * (1 - o.own);
+    }
     return t;
+}
+
+// Faces have their own shape and side; of clusters and groups only the box is known.
+ShaftEnd LinkBuilder::shaft_end(std::uint32_t id) const {
+    const Node& n = nodes_[id];
+    ShaftEnd end{n.box, n.centre, {}, {}, 0};
+    if (visibility_.looks_at_spread()) end.spread = (n.planar() ? triangle_end(nodes_.corners(id)) : box_end(n.box)).spread;
+    if (n.planar()) {
+        end.front = n.normal();
+        end.height = dot(end.front, n.centre);
+    }
+    return end;
 }
 
 }  // namespace rro

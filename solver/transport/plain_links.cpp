@@ -125,7 +125,7 @@ PlainLinker::End PlainLinker::effective(const Node& n, const Node& other, const 
 PlainLinker::Visibility PlainLinker::visibility(std::uint32_t a, std::uint32_t b, bool own_counted_a,
                                                 bool own_counted_b) const {
     Visibility v;
-    if (options_.visibility == TransportOptions::Visibility::None) return v;
+    if (options_.visibility == VisibilityMethod::None) return v;
     const Node &na = nodes_[a], &nb = nodes_[b];
     thread_local Candidates candidates;
     rays_.candidates(na.box, nb.box, candidates);

@@ -1,8 +1,10 @@
 #include "solver/transport/refine.h"
 
+#include <chrono>
 #include <span>
 
 #include "format/parallel.h"
+#include "solver/transport/ticks.h"
 
 namespace rro {
 
@@ -67,14 +69,28 @@ class Refiner {
             batch_.assign(stack_.end() - static_cast<std::ptrdiff_t>(count), stack_.end());
             stack_.resize(stack_.size() - count);
             verdicts_.assign(count, {});
+            const auto start = std::chrono::steady_clock::now();
             parallel_for(count, kGrain, [&](std::size_t k) {
+                const std::uint64_t begun = ticks();
                 verdicts_[k] = builder_.judge(batch_[k], guide_);
+                verdicts_[k].ticks = ticks() - begun;
             });
+            account(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
             for (std::size_t k = 0; k < count; ++k) take(batch_[k], verdicts_[k]);
         }
     }
 
   private:
+    // What all threads spent on visibility, as a share of what they spent on judging, in wall time.
+    void account(double seconds) {
+        double all = 0, visibility = 0;
+        for (const Verdict& v : verdicts_) {
+            all += static_cast<double>(v.ticks);
+            visibility += static_cast<double>(v.visibility_ticks);
+        }
+        if (all > 0) set_.visibility_seconds += seconds * visibility / all;
+    }
+
     void take(const Pair& pair, const Verdict& v) {
         set_.rays += v.rays;
         switch (v.action) {

@@ -12,6 +12,7 @@ struct LinkSet {
     std::vector<Link> links;
     std::vector<Pair> pending;
     std::uint64_t rays = 0;  // so far
+    double visibility_seconds = 0;  // so far, of wall time
     bool within_instances;   // does light go from an instance to itself?
 
     /// All pairs of instances and, where asked, every instance with itself; in groups where there are any.

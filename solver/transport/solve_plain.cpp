@@ -291,7 +291,7 @@ Result<Solution> solve(const Scene& scene, const Plan& plan, const TransportOpti
 Result<Solution> solve_plain(const Scene& scene, const Plan& plan, const TransportOptions& options,
                              const Progress& progress) {
     TransportOptions asked = options;
-    if (!plan.on("occlusion")) asked.visibility = TransportOptions::Visibility::None;
+    if (!plan.on("occlusion")) asked.visibility = VisibilityMethod::None;
     return plan.channels == 1 ? solve<1>(scene, plan, asked, progress) : solve<3>(scene, plan, asked, progress);
 }
 

@@ -238,6 +238,8 @@ Result<Solution> solve(const Scene& scene, const Plan& plan, const TransportOpti
     solution.estimated_error = std::hypot(error, residual.relative);
     solution.converged = solution.estimated_error <= options.accuracy;
     solution.rays = set.rays;
+    solution.seconds.visibility = set.visibility_seconds;
+    solution.seconds.links -= set.visibility_seconds;
     for (const Link& l : set.links) {
         if (!nodes[l.a].group() && nodes[l.a].instance == nodes[l.b].instance) ++solution.links.self;
         else ++(l.mean() ? solution.links.near : solution.links.far);
@@ -252,7 +254,7 @@ Result<Solution> solve(const Scene& scene, const Plan& plan, const TransportOpti
 Result<Solution> solve_reusable(const Scene& scene, const Plan& plan, const TransportOptions& options,
                                 const Progress& progress) {
     TransportOptions asked = options;
-    if (!plan.on("occlusion")) asked.visibility = TransportOptions::Visibility::None;
+    if (!plan.on("occlusion")) asked.visibility = VisibilityMethod::None;
     return plan.channels == 1 ? solve<1>(scene, plan, asked, progress) : solve<3>(scene, plan, asked, progress);
 }
 

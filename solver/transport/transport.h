@@ -9,15 +9,14 @@
 #include "solver/progress.h"
 #include "solver/scene/scene.h"
 #include "solver/solution.h"
+#include "solver/visibility/visibility.h"
 
 namespace rro {
 
 struct TransportOptions {
-    enum class Visibility { Auto, Rays, None };
-
     double accuracy = 0.02;  // area-weighted relative RMS error of the reflected radiosity
     std::uint64_t seed = 1;
-    Visibility visibility = Visibility::Auto;  // None: nothing occludes; Auto is Rays
+    VisibilityMethod visibility = VisibilityMethod::Auto;
     double far_factor = 5;   // the five-times rule: a pair is far where distance >= factor * larger radius
 };
 

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <optional>
 
+#include "solver/visibility/box_hull.h"
+
 namespace rro {
 namespace {
 
@@ -66,53 +68,6 @@ std::optional<double> entry(const Box3& box, const Vec3& origin, const Vec3& rec
 Vec3 reciprocals(const Vec3& d) {
     return {1 / d.x, 1 / d.y, 1 / d.z};
 }
-
-/// A half space n . x <= offset.
-struct HalfSpace {
-    Vec3 n;
-    double offset = 0;
-
-    bool misses(const Box3& box) const {
-        return n.x * (n.x > 0 ? box.lo.x : box.hi.x) + n.y * (n.y > 0 ? box.lo.y : box.hi.y) +
-                   n.z * (n.z > 0 ? box.lo.z : box.hi.z) >
-               offset;
-    }
-};
-
-/// The convex hull of two boxes. Its sides are planes of the boxes, or planes through parallel edges of both
-/// [Haines & Wallace 1991]: in the projection along an axis, such a plane connects the same corner of both boxes, and
-/// its normal points out of that corner.
-class Shaft {
-  public:
-    Shaft(const Box3& a, const Box3& b) : bounds_(a) {
-        bounds_.add(b);
-        for (int axis = 0; axis < 3; ++axis) {
-            const int i = (axis + 1) % 3, j = (axis + 2) % 3;
-            for (const double si : {-1.0, 1.0})
-                for (const double sj : {-1.0, 1.0}) {
-                    const double ai = si > 0 ? a.hi[i] : a.lo[i], aj = sj > 0 ? a.hi[j] : a.lo[j];
-                    const double ei = (si > 0 ? b.hi[i] : b.lo[i]) - ai, ej = (sj > 0 ? b.hi[j] : b.lo[j]) - aj;
-                    // (ej, -ei) or its opposite; the axes' own planes are those of bounds_.
-                    const double turn = ej * si > 0 ? 1 : -1;
-                    if (ei == 0 || ej == 0 || -ei * turn * sj < 0) continue;
-                    HalfSpace& side = sides_[static_cast<std::size_t>(count_++)];
-                    side.n[i] = ej * turn, side.n[j] = -ei * turn;
-                    side.offset = side.n[i] * ai + side.n[j] * aj;
-                }
-        }
-    }
-
-    /// Conservative: false where undecided.
-    bool misses(const Box3& box) const {
-        return !bounds_.overlaps(box) || std::any_of(sides_.begin(), sides_.begin() + count_,
-                                                     [&](const HalfSpace& side) { return side.misses(box); });
-    }
-
-  private:
-    Box3 bounds_;
-    std::array<HalfSpace, 12> sides_;
-    std::ptrdiff_t count_ = 0;
-};
 
 /// The part of p + t (q - p) that counts as the open segment, in an object's frame: a margin is left out at both ends.
 ObjectRay local_segment(const Affine3& to_local, double coordinates, const Vec3& p, const Vec3& q) {
@@ -281,14 +236,14 @@ SceneHit SceneRays::first_hit(const Vec3& start, const Vec3& direction, const Sc
 bool SceneRays::candidates(const Box3& a, const Box3& b, Candidates& out, std::size_t most) const {
     out.clear();
     if (nodes_.empty()) return true;
-    const Shaft shaft(a, b);
+    const BoxHull hull(a, b);
     std::array<std::uint32_t, kStack> stack;
     std::size_t waiting = 0;
     stack[waiting++] = 0;
     while (waiting > 0) {
         const std::uint32_t at = stack[--waiting];
         const Node& node = nodes_[at];
-        if (shaft.misses(node.box)) continue;
+        if (hull.misses(node.box)) continue;
         if (node.count > 0) {
             if (out.size() == most) return false;
             out.push_back(order_[node.first]);
