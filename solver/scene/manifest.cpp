@@ -156,6 +156,9 @@ Result<Manifest> read_manifest(const std::filesystem::path& path) {
         if (!camera) return camera.error();
         manifest.camera = *camera;
     }
+    if (document->contains("groups"))
+        for (const auto& [group, members] : (*document)["groups"].items())
+            if (group != "extras") manifest.groups.push_back({group, members.get<std::vector<std::string>>()});
     if (document->contains("accuracy")) manifest.accuracy = (*document)["accuracy"].get<double>();
     return manifest;
 }

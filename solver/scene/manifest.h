@@ -32,11 +32,18 @@ struct CameraEntry {
     std::optional<double> exposure;    // stops
 };
 
+/// A named group of surfaces, for view factors.
+struct GroupEntry {
+    std::string name;
+    std::vector<std::string> members;  // "instance" or "instance/material", as written
+};
+
 struct Manifest {
     std::filesystem::path path;
     std::vector<InstanceEntry> instances;  // in file order
     std::optional<CameraEntry> camera;
     std::optional<double> accuracy;
+    std::vector<GroupEntry> groups;  // by name
 };
 
 /// Whether an exitance and what it adds up to survive in results, which are single precision: 0, or 1e-30 to 1e30 W/m^2.

@@ -1,0 +1,197 @@
+#include "solver/factors/obstructed.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "format/form_factor.h"
+#include "format/sample_points.h"
+
+namespace rro {
+namespace {
+
+constexpr int kMostDepth = 9;       // quarterings by disagreement
+constexpr int kMostForcedDepth = 6;  // and because of small blockers near by
+constexpr double kEdgeOn = 1e-12;   // sine below which a blocker is seen edge-on and hides nothing
+
+/// Convex polygons one after another in one array, so that cutting them allocates nothing.
+struct Pieces {
+    std::vector<Vec3> points;
+    std::vector<std::size_t> ends;
+
+    void clear() {
+        points.clear();
+        ends.clear();
+    }
+    std::size_t begin(std::size_t piece) const { return piece == 0 ? 0 : ends[piece - 1]; }
+    std::span<const Vec3> operator[](std::size_t piece) const {
+        return std::span(points).subspan(begin(piece), ends[piece] - begin(piece));
+    }
+    void close() {  // what has been added since the last end is a piece, unless it has no inside
+        if (points.size() - (ends.empty() ? 0 : ends.back()) >= 3)
+            ends.push_back(points.size());
+        else
+            points.resize(ends.empty() ? 0 : ends.back());
+    }
+};
+
+/// A blocker between the two planes, with the ball around it.
+struct Between {
+    std::vector<Vec3> corners;
+    Vec3 normal, centre;
+    double radius = 0;
+};
+
+class Integrand {
+  public:
+    Integrand(const Polygon& a, const Polygon& b, std::span<const Polygon* const> blockers) : a_(a), b_(b) {
+        std::vector<Vec3> part, rest;
+        for (const Polygon* blocker : blockers) {
+            clip_to_front(blocker->corners, a.normal, a.offset, part);
+            if (part.empty()) continue;
+            clip_to_front(part, b.normal, b.offset, rest);
+            if (rest.empty()) continue;
+            Between between{rest, blocker->normal, {}, 0};
+            for (const Vec3& c : rest) between.centre += c / static_cast<double>(rest.size());
+            for (const Vec3& c : rest) between.radius = std::max(between.radius, length(c - between.centre));
+            blockers_.push_back(std::move(between));
+        }
+        // Large ones first: they leave little for the others to cut.
+        std::stable_sort(blockers_.begin(), blockers_.end(),
+                         [](const Between& x, const Between& y) { return x.radius > y.radius; });
+    }
+
+    /// The factor from a point of a to what it sees of b.
+    double operator()(const Vec3& x) {
+        left_.clear();
+        left_.points.assign(b_.corners.begin(), b_.corners.end());
+        left_.close();
+        for (const Between& blocker : blockers_) {
+            hide(x, blocker);
+            if (left_.ends.empty()) return 0;
+        }
+        double sum = 0;
+        for (std::size_t piece = 0; piece < left_.ends.size(); ++piece) sum += point_to_polygon(x, a_.normal, left_[piece]);
+        return sum;
+    }
+
+    /// Whether a blocker near a triangle is too small for its nodes to notice.
+    bool may_miss(const Vec3& centre, double radius) const {
+        return std::any_of(blockers_.begin(), blockers_.end(), [&](const Between& blocker) {
+            return blocker.radius < radius && length(blocker.centre - centre) < radius + 2 * blocker.radius;
+        });
+    }
+
+  private:
+    /// Takes the shadow of a blocker as seen from x out of what is left of b.
+    void hide(const Vec3& x, const Between& blocker) {
+        const double height = dot(blocker.normal, x - blocker.centre);
+        if (std::abs(height) <= kEdgeOn * length(x - blocker.centre)) return;
+        inner_.clear();  // inner normals of the planes through x and an edge
+        for (std::size_t k = 0; k < blocker.corners.size(); ++k) {
+            const Vec3 from = blocker.corners[k] - x;
+            const Vec3 to = blocker.corners[k + 1 == blocker.corners.size() ? 0 : k + 1] - x;
+            const Vec3 n = cross(from, to);
+            inner_.push_back(height > 0 ? -n : n);
+        }
+        next_.clear();
+        for (std::size_t piece = 0; piece < left_.ends.size(); ++piece) {
+            rest_.assign(left_[piece].begin(), left_[piece].end());
+            if (beyond_one(x)) {
+                next_.points.insert(next_.points.end(), rest_.begin(), rest_.end());
+                next_.close();
+                continue;
+            }
+            for (const Vec3& n : inner_) {
+                split(x, n);
+                if (rest_.empty()) break;
+            }
+        }
+        std::swap(left_, next_);
+    }
+
+    /// Does the piece lie outside one of the planes as a whole?
+    bool beyond_one(const Vec3& x) const {
+        return std::any_of(inner_.begin(), inner_.end(), [&](const Vec3& n) {
+            return std::all_of(rest_.begin(), rest_.end(), [&](const Vec3& p) { return dot(n, p - x) <= 0; });
+        });
+    }
+
+    /// What of the piece is outside the plane stays in sight; the inside goes on to the next plane.
+    void split(const Vec3& x, const Vec3& n) {
+        inside_.clear();
+        Vec3 last = rest_.back();
+        double last_height = dot(n, last - x);
+        for (const Vec3& p : rest_) {
+            const double height = dot(n, p - x);
+            if ((height > 0) != (last_height > 0)) {
+                const Vec3 cut = last + (p - last) * (last_height / (last_height - height));
+                inside_.push_back(cut);
+                next_.points.push_back(cut);
+            }
+            if (height > 0)
+                inside_.push_back(p);
+            else
+                next_.points.push_back(p);
+            last = p;
+            last_height = height;
+        }
+        next_.close();
+        if (inside_.size() < 3) inside_.clear();
+        std::swap(rest_, inside_);
+    }
+
+    const Polygon& a_;
+    const Polygon& b_;
+    std::vector<Between> blockers_;
+    Pieces left_, next_;
+    std::vector<Vec3> inner_, rest_, inside_;
+};
+
+double estimate(Integrand& seen, const TriangleCorners& t) {
+    double sum = 0;
+    for (const auto& node : triangle_rule(7).nodes) sum += node.weight * seen(triangle_point(t, node.b1, node.b2));
+    return sum * length(area_vector(t));
+}
+
+/// value and the square of its error
+struct Part {
+    double value = 0, error2 = 0;
+};
+
+Part refine(Integrand& seen, const TriangleCorners& t, double value, double tolerance, int depth) {
+    const Vec3 ab = (t[0] + t[1]) * 0.5, bc = (t[1] + t[2]) * 0.5, ca = (t[2] + t[0]) * 0.5;
+    const std::array<TriangleCorners, 4> quarters{{{t[0], ab, ca}, {ab, t[1], bc}, {ca, bc, t[2]}, {ab, bc, ca}}};
+    std::array<double, 4> values{};
+    for (std::size_t k = 0; k < 4; ++k) values[k] = estimate(seen, quarters[k]);
+    const double sum = (values[0] + values[1]) + (values[2] + values[3]), difference = std::abs(sum - value);
+    const Vec3 centre = (t[0] + t[1] + t[2]) / 3;
+    const double radius = std::sqrt(std::max({length2(t[0] - centre), length2(t[1] - centre), length2(t[2] - centre)}));
+    const bool agree = difference <= tolerance || depth >= kMostDepth;
+    if (agree && (depth >= kMostForcedDepth || !seen.may_miss(centre, radius))) return {sum, difference * difference};
+    Part part;
+    for (std::size_t k = 0; k < 4; ++k) {  // errors add as squares: each quarter may have half
+        const Part quarter = refine(seen, quarters[k], values[k], tolerance / 2, depth + 1);
+        part.value += quarter.value;
+        part.error2 += quarter.error2;
+    }
+    return part;
+}
+
+}  // namespace
+
+ObstructedExchange obstructed_exchange(const Polygon& a, const Polygon& b, std::span<const Polygon* const> blockers,
+                                       double tolerance) {
+    Integrand seen(a, b, blockers);
+    Part part;
+    for (std::size_t k = 1; k + 1 < a.corners.size(); ++k) {
+        const TriangleCorners t{a.corners[0], a.corners[k], a.corners[k + 1]};
+        const double share = length(area_vector(t)) / a.area;
+        const Part of_triangle = refine(seen, t, estimate(seen, t), tolerance * std::sqrt(share), 0);
+        part.value += of_triangle.value;
+        part.error2 += of_triangle.error2;
+    }
+    return {part.value, std::sqrt(part.error2)};
+}
+
+}  // namespace rro

@@ -1,0 +1,25 @@
+// What two planar polygons exchange past others that stand between them.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "solver/factors/polygon.h"
+
+namespace rro {
+
+struct ObstructedExchange {
+    double value = 0;           // A_a F_ab, m^2
+    double standard_error = 0;  // m^2
+};
+
+/// The exchange of a's front with b's front, integrated over a: at each node of the rule the part of b that the blockers
+/// leave in sight is cut out exactly, so that the only error is that of the rule over a. Triangles of a are quartered
+/// until two levels agree to `tolerance` (m^2, for the whole), and where a blocker smaller than they is near.
+///
+/// blockers  may reach behind a and b: what does so is cut off
+/// returns   the standard error is the quadratic sum of the last differences
+ObstructedExchange obstructed_exchange(const Polygon& a, const Polygon& b, std::span<const Polygon* const> blockers,
+                                       double tolerance);
+
+}  // namespace rro

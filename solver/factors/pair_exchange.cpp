@@ -1,0 +1,173 @@
+#include "solver/factors/pair_exchange.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "format/parallel.h"
+#include "solver/factors/obstructed.h"
+
+namespace rro {
+namespace {
+
+constexpr std::size_t kFacesAtATime = 16;
+constexpr std::uint64_t kManyPairs = 4096;         // of polygons: worth several threads
+constexpr std::uint64_t kMostShafts = 400'000;     // pairs of polygons looked at one by one: a second
+constexpr std::size_t kMostBetween = 48;           // blockers that are cut out
+constexpr double kSecondsForOne = 3;               // that cutting one pair of groups may take
+constexpr double kSmallFactor = 0.01;              // below it the tolerance is absolute
+constexpr double kShareOfTolerance = 0.2;          // that the rules may err by
+
+/// Seconds to cut `between` blockers out of one pair of polygons, both ways, as measured.
+double cutting_seconds(std::size_t between) {
+    const double n = static_cast<double>(between);
+    return 1e-6 * (40 + 60 * n + 8 * n * n);
+}
+
+/// The part of a pair of groups that one chunk of faces has.
+struct Share {
+    double exchange = 0, seconds = 0;
+    std::vector<ObstructedPair> obstructed;
+    bool too_much = false;
+};
+
+void add_faces(const PairWork& work, std::uint32_t a, std::uint32_t b, const GroupFace& from, const GroupFace& to,
+               bool look_between, PairScratch& scratch, Share& share) {
+    FacingPair& facing = scratch.facing;
+    if (from.body == to.body || !facing_parts(from.polygon, to.polygon, facing)) return;
+    bool clear = true;
+    if (look_between) {
+        const Polygon& p = *facing.a;
+        const Polygon& q = *facing.b;
+        make_shaft(p.corners, {-p.normal, -p.offset}, q.corners, {-q.normal, -q.offset}, scratch.shaft);
+        const bool all =
+            work.blockers.reach_into(scratch.shaft, from.body, to.body, kMostBetween, scratch.between);
+        clear = scratch.between.empty();
+        share.too_much = share.too_much || !all;
+        if (!clear) {
+            share.obstructed.push_back({a, b});
+            share.seconds += cutting_seconds(scratch.between.size());
+            share.too_much = share.too_much || share.seconds > kSecondsForOne;
+        }
+    }
+    if (clear) share.exchange += facing_exchange(*facing.a, *facing.b);
+}
+
+/// Faces [begin, end) of group i with all of group j; of one group with itself, each pair once.
+void add_chunk(const PairWork& work, std::uint32_t i, std::uint32_t j, std::size_t begin, std::size_t end,
+               bool look_between, PairScratch& scratch, Share& share) {
+    const auto& from = work.surfaces.faces[i];
+    const auto& to = work.surfaces.faces[j];
+    for (std::size_t a = begin; a < end; ++a)
+        for (std::size_t b = i == j ? a + 1 : 0; b < to.size() && !share.too_much; ++b)
+            add_faces(work, static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b), from[a], to[b], look_between,
+                      scratch, share);
+}
+
+void add_share(Share&& share, GroupPair& pair) {
+    pair.exchange += share.exchange;
+    pair.seconds += share.seconds;
+    pair.sampled = pair.sampled || share.too_much;
+    pair.obstructed.insert(pair.obstructed.end(), share.obstructed.begin(), share.obstructed.end());
+}
+
+/// Bodies between two polygons of a pair.
+std::vector<const Polygon*> between(const PairWork& work, const GroupFace& from, const GroupFace& to,
+                                    PairScratch& scratch) {
+    const Polygon& p = *scratch.facing.a;
+    const Polygon& q = *scratch.facing.b;
+    make_shaft(p.corners, {-p.normal, -p.offset}, q.corners, {-q.normal, -q.offset}, scratch.shaft);
+    work.blockers.reach_into(scratch.shaft, from.body, to.body, kMostBetween, scratch.between);
+    std::vector<const Polygon*> found;
+    for (const std::uint32_t body : scratch.between) found.push_back(&work.surfaces.bodies[body]);
+    return found;
+}
+
+}  // namespace
+
+PairWork::PairWork(const Surfaces& surfaces_, const Blockers& blockers_, double accuracy_)
+    : surfaces(surfaces_), blockers(blockers_), accuracy(accuracy_), boxes(surfaces_.faces.size()) {
+    for (std::size_t g = 0; g < boxes.size(); ++g)
+        for (const GroupFace& face : surfaces.faces[g])
+            for (const Vec3& corner : face.polygon.corners) boxes[g].add(corner);
+}
+
+GroupPair find_pair(const PairWork& work, std::uint32_t i, std::uint32_t j, PairScratch& scratch) {
+    GroupPair pair;
+    pair.from = i;
+    pair.to = j;
+    const Surfaces& s = work.surfaces;
+    const std::size_t count = s.faces[i].size();
+    const std::uint64_t pairs = std::uint64_t{count} * s.faces[j].size();
+    if (i == j && s.convex[i]) return pair;
+    bool look_between = !work.blockers.empty();
+    if (look_between && pairs > 1)  // a convex group hides nothing of itself from outside
+        look_between = work.blockers.any_between(work.boxes[i], work.boxes[j], [&](std::uint32_t body) {
+            const std::uint32_t group = s.group_of_body[body];
+            return !((group == i && s.convex[i]) || (group == j && s.convex[j]));
+        });
+    if (look_between && pairs > kMostShafts) {
+        pair.sampled = true;
+        return pair;
+    }
+    if (pairs < kManyPairs) {
+        Share share;
+        add_chunk(work, i, j, 0, count, look_between, scratch, share);
+        add_share(std::move(share), pair);
+    } else {
+        std::vector<Share> shares((count + kFacesAtATime - 1) / kFacesAtATime);
+        parallel_chunks(count, kFacesAtATime, [&](std::size_t begin, std::size_t end) {
+            PairScratch own;
+            add_chunk(work, i, j, begin, end, look_between, own, shares[begin / kFacesAtATime]);
+        });
+        for (Share& share : shares) add_share(std::move(share), pair);
+    }
+    if (i == j) pair.exchange *= 2;
+    if (pair.seconds > kSecondsForOne) pair.sampled = true;
+    if (pair.sampled) pair.obstructed = {};
+    pair.there = pair.back = pair.exchange;
+    return pair;
+}
+
+void cut_out(const PairWork& work, GroupPair& pair) {
+    const Surfaces& s = work.surfaces;
+    const double least = std::sqrt(1.0 / static_cast<double>(pair.obstructed.size()));
+    const auto tolerance = [&](std::uint32_t group) {  // m^2 for each pair of polygons; their errors add as squares
+        const double factor = std::max(pair.exchange / s.area[group], kSmallFactor);
+        return kShareOfTolerance * work.accuracy * factor * s.area[group] * least;
+    };
+    const double tolerance_there = tolerance(pair.from), tolerance_back = tolerance(pair.to);
+    struct Both {
+        ObstructedExchange there, back;
+    };
+    std::vector<Both> parts(pair.obstructed.size());
+    parallel_for(parts.size(), 1, [&](std::size_t k) {
+        PairScratch scratch;
+        const GroupFace& from = s.faces[pair.from][pair.obstructed[k].a];
+        const GroupFace& to = s.faces[pair.to][pair.obstructed[k].b];
+        if (!facing_parts(from.polygon, to.polygon, scratch.facing)) return;
+        const std::vector<const Polygon*> blockers = between(work, from, to, scratch);
+        const Polygon& p = *scratch.facing.a;
+        const Polygon& q = *scratch.facing.b;
+        parts[k].there = obstructed_exchange(p, q, blockers, tolerance_there);
+        parts[k].back = obstructed_exchange(q, p, blockers, tolerance_back);
+    });
+    double there2 = 0, back2 = 0;
+    for (const Both& part : parts) {
+        // Two ways to one number that differ by more than they say tell how far they are off.
+        const double apart = 0.5 * std::abs(part.there.value - part.back.value);
+        const double error_there = std::max(part.there.standard_error, apart);
+        const double error_back = std::max(part.back.standard_error, apart);
+        pair.there += part.there.value;
+        pair.back += part.back.value;
+        there2 += error_there * error_there;
+        back2 += error_back * error_back;
+    }
+    if (pair.from == pair.to) {  // both ends are the group: the two estimates together are its own
+        pair.there = pair.back = pair.there + pair.back - pair.exchange;
+        there2 = back2 = there2 + back2;
+    }
+    pair.error_there = std::sqrt(there2);
+    pair.error_back = std::sqrt(back2);
+}
+
+}  // namespace rro
