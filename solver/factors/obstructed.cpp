@@ -180,6 +180,14 @@ Part refine(Integrand& seen, const TriangleCorners& t, double value, double tole
 
 }  // namespace
 
+double rough_exchange(const Polygon& a, const Polygon& b, std::span<const Polygon* const> blockers) {
+    Integrand seen(a, b, blockers);
+    double sum = 0;
+    for (std::size_t k = 1; k + 1 < a.corners.size(); ++k)
+        sum += estimate(seen, {a.corners[0], a.corners[k], a.corners[k + 1]});
+    return sum;
+}
+
 ObstructedExchange obstructed_exchange(const Polygon& a, const Polygon& b, std::span<const Polygon* const> blockers,
                                        double tolerance) {
     Integrand seen(a, b, blockers);

@@ -22,4 +22,7 @@ struct ObstructedExchange {
 ObstructedExchange obstructed_exchange(const Polygon& a, const Polygon& b, std::span<const Polygon* const> blockers,
                                        double tolerance);
 
+/// The same from a few points only, to know how large it is.
+double rough_exchange(const Polygon& a, const Polygon& b, std::span<const Polygon* const> blockers);
+
 }  // namespace rro

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "format/parallel.h"
 #include "solver/factors/obstructed.h"
@@ -130,24 +131,32 @@ GroupPair find_pair(const PairWork& work, std::uint32_t i, std::uint32_t j, Pair
 
 void cut_out(const PairWork& work, GroupPair& pair) {
     const Surfaces& s = work.surfaces;
-    const double least = std::sqrt(1.0 / static_cast<double>(pair.obstructed.size()));
+    const std::size_t count = pair.obstructed.size();
+    const auto with_each = [&](const auto& body) {  // body(number, polygon of `from`, polygon of `to`, blockers)
+        parallel_for(count, 1, [&](std::size_t k) {
+            PairScratch scratch;
+            const GroupFace& from = s.faces[pair.from][pair.obstructed[k].a];
+            const GroupFace& to = s.faces[pair.to][pair.obstructed[k].b];
+            if (!facing_parts(from.polygon, to.polygon, scratch.facing)) return;
+            const std::vector<const Polygon*> blockers = between(work, from, to, scratch);
+            body(k, *scratch.facing.a, *scratch.facing.b, blockers);
+        });
+    };
+    std::vector<double> rough(count, 0);
+    with_each([&](std::size_t k, const Polygon& p, const Polygon& q, const auto& blockers) {
+        rough[k] = rough_exchange(p, q, blockers);
+    });
+    const double about = (pair.from == pair.to ? 2 : 1) * std::accumulate(rough.begin(), rough.end(), 0.0);
     const auto tolerance = [&](std::uint32_t group) {  // m^2 for each pair of polygons; their errors add as squares
-        const double factor = std::max(pair.exchange / s.area[group], kSmallFactor);
-        return kShareOfTolerance * work.accuracy * factor * s.area[group] * least;
+        const double factor = std::max((pair.exchange + about) / s.area[group], kSmallFactor);
+        return kShareOfTolerance * work.accuracy * factor * s.area[group] / std::sqrt(static_cast<double>(count));
     };
     const double tolerance_there = tolerance(pair.from), tolerance_back = tolerance(pair.to);
     struct Both {
         ObstructedExchange there, back;
     };
-    std::vector<Both> parts(pair.obstructed.size());
-    parallel_for(parts.size(), 1, [&](std::size_t k) {
-        PairScratch scratch;
-        const GroupFace& from = s.faces[pair.from][pair.obstructed[k].a];
-        const GroupFace& to = s.faces[pair.to][pair.obstructed[k].b];
-        if (!facing_parts(from.polygon, to.polygon, scratch.facing)) return;
-        const std::vector<const Polygon*> blockers = between(work, from, to, scratch);
-        const Polygon& p = *scratch.facing.a;
-        const Polygon& q = *scratch.facing.b;
+    std::vector<Both> parts(count);
+    with_each([&](std::size_t k, const Polygon& p, const Polygon& q, const auto& blockers) {
         parts[k].there = obstructed_exchange(p, q, blockers, tolerance_there);
         parts[k].back = obstructed_exchange(q, p, blockers, tolerance_back);
     });

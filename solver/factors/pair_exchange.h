@@ -25,6 +25,12 @@ struct GroupPair {
     double error_there = 0, error_back = 0;
 };
 
+/// A pair with nothing between: its exchange is all there is to know.
+struct ExactPair {
+    std::uint32_t to = 0;
+    double exchange = 0;  // m^2
+};
+
 /// What all pairs share. Safe to share between threads.
 struct PairWork {
     PairWork(const Surfaces& surfaces_, const Blockers& blockers_, double accuracy_);

@@ -32,6 +32,12 @@ struct LineNode {
 const std::array<LineNode, 2> kTwoNodes{{{0.5 - std::sqrt(1.0 / 12), 0.5}, {0.5 + std::sqrt(1.0 / 12), 0.5}}};
 const std::array<LineNode, 3> kThreeNodes{
     {{0.5 - std::sqrt(0.15), 5.0 / 18}, {0.5, 4.0 / 9}, {0.5 + std::sqrt(0.15), 5.0 / 18}}};
+const std::array<LineNode, 4> kFourNodes = [] {
+    const double outer = std::sqrt(3.0 / 7 + 2.0 / 7 * std::sqrt(1.2)), inner = std::sqrt(3.0 / 7 - 2.0 / 7 * std::sqrt(1.2));
+    const double light = (18 - std::sqrt(30.0)) / 72, heavy = (18 + std::sqrt(30.0)) / 72;
+    return std::array<LineNode, 4>{{{0.5 - 0.5 * outer, light}, {0.5 - 0.5 * inner, heavy},
+                                    {0.5 + 0.5 * inner, heavy}, {0.5 + 0.5 * outer, light}}};
+}();
 
 void add_tensor(PolygonRule& rule, const Polygon& p, std::span<const LineNode> line) {
     const Vec3 u = p.corners[1] - p.corners[0], v = p.corners[3] - p.corners[0];
@@ -73,13 +79,15 @@ Polygon make_polygon(std::vector<Vec3> corners, double rounding) {
 }
 
 void add_rules(Polygon& p) {
-    p.coarse = p.fine = {};
+    p.coarse = p.fine = p.finest = {};
     if (is_parallelogram(p)) {
         add_tensor(p.coarse, p, kTwoNodes);
         add_tensor(p.fine, p, kThreeNodes);
+        add_tensor(p.finest, p, kFourNodes);
     } else {
         add_fan(p.coarse, p, triangle_rule(3));
         add_fan(p.fine, p, triangle_rule(6));
+        add_fan(p.finest, p, triangle_rule(16));
     }
 }
 

@@ -25,7 +25,7 @@ struct Polygon {
     double radius = 0;          // about the centre
     double area = 0;            // m^2
     double rounding = 0;        // m: lesser heights are rounding of the archive's single precision
-    PolygonRule coarse, fine;   // exact for polynomials of degree 2 and 4, at least
+    PolygonRule coarse, fine, finest;  // exact for polynomials of degree 3, 5, 7 (parallelograms) or 2, 4, 8
 
     double height(const Vec3& p) const { return dot(normal, p) - offset; }
 };

@@ -7,7 +7,7 @@
 namespace rro {
 namespace {
 
-constexpr std::size_t kLargestConvexTest = 4000;  // faces: each is compared with each
+constexpr std::size_t kLargestConvexTest = 20'000;  // faces: each is compared with each
 
 /// Triangles of one instance that are alike in group and sidedness.
 struct Bucket {
@@ -79,7 +79,7 @@ Surfaces gather_surfaces(const Scene& scene, const SurfaceGroups& groups, Sides 
             if (bucket.group != kNoGroup && front) surfaces.faces[bucket.group].push_back({polygon, body});
             if (bucket.group != kNoGroup && back) surfaces.faces[bucket.group].push_back({reversed(polygon), body});
             if (bucket.group != kNoGroup && back) add_rules(surfaces.faces[bucket.group].back().polygon);
-            polygon.coarse = polygon.fine = {};
+            polygon.coarse = polygon.fine = polygon.finest = {};
             surfaces.bodies.push_back(std::move(polygon));
             surfaces.group_of_body.push_back(bucket.group);
         }

@@ -33,8 +33,12 @@ class Steps {
     std::mutex mutex_;
 };
 
-/// Unordered pairs of groups with something between, [G] by the lesser group.
-using Rows = std::vector<std::vector<GroupPair>>;
+/// Unordered pairs of groups that exchange, by the lesser group.
+struct PairsOfRow {
+    std::vector<ExactPair> exact;
+    std::vector<GroupPair> open;  // with something between
+};
+using Rows = std::vector<PairsOfRow>;
 
 Rows find_pairs(const PairWork& work, const Progress& progress) {
     const std::size_t count = work.surfaces.faces.size();
@@ -51,7 +55,10 @@ Rows find_pairs(const PairWork& work, const Progress& progress) {
         PairScratch scratch;
         for (std::size_t j = i; j < count; ++j) {
             GroupPair pair = find_pair(work, static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j), scratch);
-            if (pair.exchange > 0 || pair.sampled || !pair.obstructed.empty()) rows[i].push_back(std::move(pair));
+            if (pair.sampled || !pair.obstructed.empty())
+                rows[i].open.push_back(std::move(pair));
+            else if (pair.exchange > 0)
+                rows[i].exact.push_back({pair.to, pair.exchange});
         }
         steps.add(faces[i]);
     });
@@ -62,7 +69,7 @@ Rows find_pairs(const PairWork& work, const Progress& progress) {
 void choose_sampled(Rows& rows) {
     std::vector<std::vector<GroupPair*>> of_row(rows.size());
     for (std::size_t i = 0; i < rows.size(); ++i)
-        for (GroupPair& pair : rows[i])
+        for (GroupPair& pair : rows[i].open)
             if (!pair.obstructed.empty()) {
                 of_row[i].push_back(&pair);
                 if (pair.to != i) of_row[pair.to].push_back(&pair);
@@ -84,8 +91,8 @@ void choose_sampled(Rows& rows) {
 void cut_pairs(const PairWork& work, Rows& rows, const Progress& progress) {
     std::vector<GroupPair*> pairs;
     double total = 0;
-    for (auto& row : rows)
-        for (GroupPair& pair : row) {
+    for (PairsOfRow& row : rows)
+        for (GroupPair& pair : row.open) {
             if (pair.sampled) pair.obstructed = {};
             if (pair.obstructed.empty()) continue;
             pairs.push_back(&pair);
@@ -101,7 +108,12 @@ void cut_pairs(const PairWork& work, Rows& rows, const Progress& progress) {
 /// Moves the pairs into both their rows, ascending.
 void fill_rows(Rows& pairs, Factors& factors) {
     for (std::uint32_t i = 0; i < pairs.size(); ++i) {
-        for (const GroupPair& pair : pairs[i]) {
+        for (const ExactPair& pair : pairs[i].exact) {
+            factors.rows[i].push_back({pair.to, 0, pair.exchange / factors.area[i]});
+            if (pair.to != i) factors.rows[pair.to].push_back({i, 0, pair.exchange / factors.area[pair.to]});
+        }
+        pairs[i].exact = {};
+        for (const GroupPair& pair : pairs[i].open) {
             if (pair.sampled) continue;
             const double a = factors.area[i], b = factors.area[pair.to];
             factors.rows[i].push_back({pair.to, static_cast<float>(pair.error_there / a), pair.there / a});
@@ -117,7 +129,7 @@ void sample_rows(const Scene& scene, const SurfaceGroups& groups, const Surfaces
     std::vector<std::vector<std::uint32_t>> wanted(pairs.size());
     std::size_t rows = 0;
     for (std::uint32_t i = 0; i < pairs.size(); ++i)
-        for (const GroupPair& pair : pairs[i])
+        for (const GroupPair& pair : pairs[i].open)
             if (pair.sampled) {
                 wanted[i].push_back(pair.to);
                 if (pair.to != i) wanted[pair.to].push_back(i);
@@ -174,8 +186,9 @@ Result<Factors> view_factors(const Scene& scene, const FactorOptions& options, c
 }
 
 std::uint64_t factors_memory(const Scene& scene, GroupBy by) {
-    constexpr std::uint64_t kPerPair = sizeof(Factor) + sizeof(GroupPair) / 2;  // a number, and half of what made two
-    constexpr std::uint64_t kPerTriangle = 1500;  // a polygon on both sides with its rules, where none are merged
+    // Two numbers in vectors that have grown by doubling, and what they were made from.
+    constexpr std::uint64_t kPerPair = 2 * sizeof(Factor) + sizeof(ExactPair);
+    constexpr std::uint64_t kPerTriangle = 3000;  // a polygon on both sides with its rules, where none are merged
     std::uint64_t groups = scene.instances.size();
     if (by == GroupBy::Group || (by == GroupBy::Auto && !scene.manifest.groups.empty()))
         groups = scene.manifest.groups.size();
