@@ -75,9 +75,9 @@ void make_shaft(std::span<const Vec3> a, const HalfSpace& behind_a, std::span<co
     for (const Vec3& c : b) shaft.box.add(c);
 }
 
-Blockers::Blockers(const std::vector<Polygon>& bodies) : bodies_(bodies), boxes_(bodies.size()) {
+Blockers::Blockers(const std::vector<Body>& bodies) : bodies_(bodies), boxes_(bodies.size()) {
     if (bodies.empty()) return;
-    parallel_for(bodies.size(), 1024, [&](std::size_t i) { boxes_[i] = box_of(bodies[i]); });
+    parallel_for(bodies.size(), 1024, [&](std::size_t i) { boxes_[i] = box_of(bodies[i].polygon); });
     order_.resize(bodies.size());
     std::iota(order_.begin(), order_.end(), 0u);
     build(0, static_cast<std::uint32_t>(order_.size()));
@@ -95,7 +95,7 @@ Blockers::Blockers(const std::vector<Polygon>& bodies) : bodies_(bodies), boxes_
                 continue;
             }
             for (std::uint32_t k = 0; k < node.count; ++k) {
-                const Polygon& other = bodies_[order_[node.first + k]];
+                const Polygon& other = bodies_[order_[node.first + k]].polygon;
                 for (const Vec3& c : other.corners)
                     if (dot(normal, c) > offset + other.rounding) return true;
             }
@@ -104,7 +104,7 @@ Blockers::Blockers(const std::vector<Polygon>& bodies) : bodies_(bodies), boxes_
     };
     std::vector<std::uint8_t> blocks(bodies.size(), 0);
     parallel_for(bodies.size(), 64, [&](std::size_t i) {
-        const Polygon& body = bodies_[i];
+        const Polygon& body = bodies_[i].polygon;
         blocks[i] = reaches(body.normal, body.offset + body.rounding) &&
                     reaches(-body.normal, -body.offset + body.rounding);
     });
@@ -141,8 +141,7 @@ void Blockers::build(std::uint32_t first, std::uint32_t count) {
     build(first + count / 2, count - count / 2);
 }
 
-bool Blockers::reach_into(const Shaft& shaft, std::uint32_t end_a, std::uint32_t end_b, std::size_t most,
-                          std::vector<std::uint32_t>& found) const {
+bool Blockers::reach_into(const Shaft& shaft, std::size_t most, std::vector<std::uint32_t>& found) const {
     found.clear();
     if (nodes_.empty()) return true;
     std::array<std::uint32_t, kStack> stack{0};
@@ -158,7 +157,7 @@ bool Blockers::reach_into(const Shaft& shaft, std::uint32_t end_a, std::uint32_t
         }
         for (std::uint32_t k = 0; k < node.count; ++k) {
             const std::uint32_t body = order_[node.first + k];
-            if (body == end_a || body == end_b || outside(bodies_[body], shaft)) continue;
+            if (outside(bodies_[body].polygon, shaft)) continue;
             if (found.size() == most) return false;
             found.push_back(body);
         }

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "solver/factors/polygon.h"
+#include "solver/factors/surfaces.h"
 
 namespace rro {
 
@@ -31,15 +31,14 @@ class Blockers {
   public:
     /// Keeps a reference to the bodies. Those with all of the scene on one side of their plane can block nothing and are
     /// left out: a convex room has no blockers.
-    explicit Blockers(const std::vector<Polygon>& bodies);
+    explicit Blockers(const std::vector<Body>& bodies);
 
     bool empty() const { return nodes_.empty(); }
     std::size_t size() const { return order_.size(); }
 
-    /// Bodies that reach into a shaft, without the two at its ends, ascending.
+    /// Bodies that reach into a shaft, ascending. Those of its ends lie in their planes and do not.
     /// returns  whether there are no more than `most`; else the list is cut short
-    bool reach_into(const Shaft& shaft, std::uint32_t end_a, std::uint32_t end_b, std::size_t most,
-                    std::vector<std::uint32_t>& found) const;
+    bool reach_into(const Shaft& shaft, std::size_t most, std::vector<std::uint32_t>& found) const;
 
     /// Whether any body that `counts` accepts meets the box around both boxes.
     bool any_between(const Box3& a, const Box3& b, const std::function<bool(std::uint32_t)>& counts) const;
@@ -52,7 +51,7 @@ class Blockers {
     };
     void build(std::uint32_t first, std::uint32_t count);
 
-    const std::vector<Polygon>& bodies_;
+    const std::vector<Body>& bodies_;
     std::vector<Box3> boxes_;           // [bodies]
     std::vector<Node> nodes_;           // preorder
     std::vector<std::uint32_t> order_;  // bodies in the order of the leaves

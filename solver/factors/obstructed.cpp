@@ -12,6 +12,7 @@ namespace {
 
 constexpr int kMostDepth = 9;       // quarterings by disagreement
 constexpr int kMostForcedDepth = 6;  // and because of small blockers near by
+constexpr double kQuickly = 1e-3;  // tolerance over open exchange from where two rules that agree are believed
 constexpr double kEdgeOn = 1e-12;   // sine below which a blocker is seen edge-on and hides nothing
 
 /// Convex polygons one after another in one array, so that cutting them allocates nothing.
@@ -148,9 +149,9 @@ class Integrand {
     std::vector<Vec3> inner_, rest_, inside_;
 };
 
-double estimate(Integrand& seen, const TriangleCorners& t) {
+double estimate(Integrand& seen, const TriangleCorners& t, int points) {
     double sum = 0;
-    for (const auto& node : triangle_rule(7).nodes) sum += node.weight * seen(triangle_point(t, node.b1, node.b2));
+    for (const auto& node : triangle_rule(points).nodes) sum += node.weight * seen(triangle_point(t, node.b1, node.b2));
     return sum * length(area_vector(t));
 }
 
@@ -159,11 +160,12 @@ struct Part {
     double value = 0, error2 = 0;
 };
 
+/// Quarters a triangle until its value, by the rule of degree 5, is that of its quarters.
 Part refine(Integrand& seen, const TriangleCorners& t, double value, double tolerance, int depth) {
     const Vec3 ab = (t[0] + t[1]) * 0.5, bc = (t[1] + t[2]) * 0.5, ca = (t[2] + t[0]) * 0.5;
     const std::array<TriangleCorners, 4> quarters{{{t[0], ab, ca}, {ab, t[1], bc}, {ca, bc, t[2]}, {ab, bc, ca}}};
     std::array<double, 4> values{};
-    for (std::size_t k = 0; k < 4; ++k) values[k] = estimate(seen, quarters[k]);
+    for (std::size_t k = 0; k < 4; ++k) values[k] = estimate(seen, quarters[k], 7);
     const double sum = (values[0] + values[1]) + (values[2] + values[3]), difference = std::abs(sum - value);
     const Vec3 centre = (t[0] + t[1] + t[2]) / 3;
     const double radius = std::sqrt(std::max({length2(t[0] - centre), length2(t[1] - centre), length2(t[2] - centre)}));
@@ -171,11 +173,20 @@ Part refine(Integrand& seen, const TriangleCorners& t, double value, double tole
     if (agree && (depth >= kMostForcedDepth || !seen.may_miss(centre, radius))) return {sum, difference * difference};
     Part part;
     for (std::size_t k = 0; k < 4; ++k) {  // errors add as squares: each quarter may have half
-        const Part quarter = refine(seen, quarters[k], values[k], tolerance / 2, depth + 1);
-        part.value += quarter.value;
-        part.error2 += quarter.error2;
+        const Part of_quarter = refine(seen, quarters[k], values[k], tolerance / 2, depth + 1);
+        part.value += of_quarter.value;
+        part.error2 += of_quarter.error2;
     }
     return part;
+}
+
+/// Where the tolerance is a good part of the exchange, two rules on the whole triangle may do.
+Part integrate(Integrand& seen, const TriangleCorners& t, double tolerance, bool quick) {
+    const double value = estimate(seen, t, 7);
+    if (quick)
+        if (const double difference = std::abs(value - estimate(seen, t, 3)); difference <= tolerance)
+            return {value, difference * difference};
+    return refine(seen, t, value, tolerance, 0);
 }
 
 }  // namespace
@@ -184,18 +195,19 @@ double rough_exchange(const Polygon& a, const Polygon& b, std::span<const Polygo
     Integrand seen(a, b, blockers);
     double sum = 0;
     for (std::size_t k = 1; k + 1 < a.corners.size(); ++k)
-        sum += estimate(seen, {a.corners[0], a.corners[k], a.corners[k + 1]});
+        sum += estimate(seen, {a.corners[0], a.corners[k], a.corners[k + 1]}, 3);
     return sum;
 }
 
 ObstructedExchange obstructed_exchange(const Polygon& a, const Polygon& b, std::span<const Polygon* const> blockers,
-                                       double tolerance) {
+                                       double open, double tolerance) {
     Integrand seen(a, b, blockers);
     Part part;
+    const bool quick = tolerance >= kQuickly * open;
     for (std::size_t k = 1; k + 1 < a.corners.size(); ++k) {
         const TriangleCorners t{a.corners[0], a.corners[k], a.corners[k + 1]};
         const double share = length(area_vector(t)) / a.area;
-        const Part of_triangle = refine(seen, t, estimate(seen, t), tolerance * std::sqrt(share), 0);
+        const Part of_triangle = integrate(seen, t, tolerance * std::sqrt(share), quick);
         part.value += of_triangle.value;
         part.error2 += of_triangle.error2;
     }

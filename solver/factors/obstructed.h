@@ -17,10 +17,11 @@ struct ObstructedExchange {
 /// leave in sight is cut out exactly, so that the only error is that of the rule over a. Triangles of a are quartered
 /// until two levels agree to `tolerance` (m^2, for the whole), and where a blocker smaller than they is near.
 ///
+/// open      the exchange with nothing between, m^2: tells how much of it the tolerance is
 /// blockers  may reach behind a and b: what does so is cut off
-/// returns   the standard error is the quadratic sum of the last differences
+/// returns   the standard error is the quadratic sum of the last differences between levels
 ObstructedExchange obstructed_exchange(const Polygon& a, const Polygon& b, std::span<const Polygon* const> blockers,
-                                       double tolerance);
+                                       double open, double tolerance);
 
 /// The same from a few points only, to know how large it is.
 double rough_exchange(const Polygon& a, const Polygon& b, std::span<const Polygon* const> blockers);

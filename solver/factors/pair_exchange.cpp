@@ -16,7 +16,7 @@ constexpr std::uint64_t kMostShafts = 400'000;     // pairs of polygons looked a
 constexpr std::size_t kMostBetween = 48;           // blockers that are cut out
 constexpr double kSecondsForOne = 3;               // that cutting one pair of groups may take
 constexpr double kSmallFactor = 0.01;              // below it the tolerance is absolute
-constexpr double kShareOfTolerance = 0.2;          // that the rules may err by
+constexpr double kShareOfTolerance = 0.3;          // that the rules may err by
 
 /// Seconds to cut `between` blockers out of one pair of polygons, both ways, as measured.
 double cutting_seconds(std::size_t between) {
@@ -31,17 +31,16 @@ struct Share {
     bool too_much = false;
 };
 
-void add_faces(const PairWork& work, std::uint32_t a, std::uint32_t b, const GroupFace& from, const GroupFace& to,
+void add_faces(const PairWork& work, std::uint32_t a, std::uint32_t b, const Polygon& from, const Polygon& to,
                bool look_between, PairScratch& scratch, Share& share) {
     FacingPair& facing = scratch.facing;
-    if (from.body == to.body || !facing_parts(from.polygon, to.polygon, facing)) return;
+    if (!facing_parts(from, to, facing)) return;
     bool clear = true;
     if (look_between) {
         const Polygon& p = *facing.a;
         const Polygon& q = *facing.b;
         make_shaft(p.corners, {-p.normal, -p.offset}, q.corners, {-q.normal, -q.offset}, scratch.shaft);
-        const bool all =
-            work.blockers.reach_into(scratch.shaft, from.body, to.body, kMostBetween, scratch.between);
+        const bool all = work.blockers.reach_into(scratch.shaft, kMostBetween, scratch.between);
         clear = scratch.between.empty();
         share.too_much = share.too_much || !all;
         if (!clear) {
@@ -72,14 +71,13 @@ void add_share(Share&& share, GroupPair& pair) {
 }
 
 /// Bodies between two polygons of a pair.
-std::vector<const Polygon*> between(const PairWork& work, const GroupFace& from, const GroupFace& to,
-                                    PairScratch& scratch) {
+std::vector<const Polygon*> between(const PairWork& work, PairScratch& scratch) {
     const Polygon& p = *scratch.facing.a;
     const Polygon& q = *scratch.facing.b;
     make_shaft(p.corners, {-p.normal, -p.offset}, q.corners, {-q.normal, -q.offset}, scratch.shaft);
-    work.blockers.reach_into(scratch.shaft, from.body, to.body, kMostBetween, scratch.between);
+    work.blockers.reach_into(scratch.shaft, kMostBetween, scratch.between);
     std::vector<const Polygon*> found;
-    for (const std::uint32_t body : scratch.between) found.push_back(&work.surfaces.bodies[body]);
+    for (const std::uint32_t body : scratch.between) found.push_back(&work.surfaces.bodies[body].polygon);
     return found;
 }
 
@@ -88,8 +86,8 @@ std::vector<const Polygon*> between(const PairWork& work, const GroupFace& from,
 PairWork::PairWork(const Surfaces& surfaces_, const Blockers& blockers_, double accuracy_)
     : surfaces(surfaces_), blockers(blockers_), accuracy(accuracy_), boxes(surfaces_.faces.size()) {
     for (std::size_t g = 0; g < boxes.size(); ++g)
-        for (const GroupFace& face : surfaces.faces[g])
-            for (const Vec3& corner : face.polygon.corners) boxes[g].add(corner);
+        for (const Polygon& face : surfaces.faces[g])
+            for (const Vec3& corner : face.corners) boxes[g].add(corner);
 }
 
 GroupPair find_pair(const PairWork& work, std::uint32_t i, std::uint32_t j, PairScratch& scratch) {
@@ -103,7 +101,7 @@ GroupPair find_pair(const PairWork& work, std::uint32_t i, std::uint32_t j, Pair
     bool look_between = !work.blockers.empty();
     if (look_between && pairs > 1)  // a convex group hides nothing of itself from outside
         look_between = work.blockers.any_between(work.boxes[i], work.boxes[j], [&](std::uint32_t body) {
-            const std::uint32_t group = s.group_of_body[body];
+            const std::uint32_t group = s.bodies[body].group;
             return !((group == i && s.convex[i]) || (group == j && s.convex[j]));
         });
     if (look_between && pairs > kMostShafts) {
@@ -135,10 +133,10 @@ void cut_out(const PairWork& work, GroupPair& pair) {
     const auto with_each = [&](const auto& body) {  // body(number, polygon of `from`, polygon of `to`, blockers)
         parallel_for(count, 1, [&](std::size_t k) {
             PairScratch scratch;
-            const GroupFace& from = s.faces[pair.from][pair.obstructed[k].a];
-            const GroupFace& to = s.faces[pair.to][pair.obstructed[k].b];
-            if (!facing_parts(from.polygon, to.polygon, scratch.facing)) return;
-            const std::vector<const Polygon*> blockers = between(work, from, to, scratch);
+            const Polygon& from = s.faces[pair.from][pair.obstructed[k].a];
+            const Polygon& to = s.faces[pair.to][pair.obstructed[k].b];
+            if (!facing_parts(from, to, scratch.facing)) return;
+            const std::vector<const Polygon*> blockers = between(work, scratch);
             body(k, *scratch.facing.a, *scratch.facing.b, blockers);
         });
     };
@@ -157,8 +155,9 @@ void cut_out(const PairWork& work, GroupPair& pair) {
     };
     std::vector<Both> parts(count);
     with_each([&](std::size_t k, const Polygon& p, const Polygon& q, const auto& blockers) {
-        parts[k].there = obstructed_exchange(p, q, blockers, tolerance_there);
-        parts[k].back = obstructed_exchange(q, p, blockers, tolerance_back);
+        const double open = facing_exchange(p, q);
+        parts[k].there = obstructed_exchange(p, q, blockers, open, tolerance_there);
+        parts[k].back = obstructed_exchange(q, p, blockers, open, tolerance_back);
     });
     double there2 = 0, back2 = 0;
     for (const Both& part : parts) {

@@ -43,14 +43,14 @@ void fill(const Scene& scene, Bucket& bucket) {
     for (Polygon& polygon : bucket.polygons) add_rules(polygon);
 }
 
-bool is_convex(const std::vector<GroupFace>& faces) {
+bool is_convex(const std::vector<Polygon>& faces) {
     if (faces.size() > kLargestConvexTest) return false;
-    for (const GroupFace& a : faces)
-        for (const GroupFace& b : faces) {
-            const double rounding = std::max(a.polygon.rounding, b.polygon.rounding);
-            if (a.polygon.height(b.polygon.centre) > rounding) return false;
-            for (const Vec3& corner : b.polygon.corners)
-                if (a.polygon.height(corner) > rounding) return false;
+    for (const Polygon& a : faces)
+        for (const Polygon& b : faces) {
+            const double rounding = std::max(a.rounding, b.rounding);
+            if (a.height(b.centre) > rounding) return false;
+            for (const Vec3& corner : b.corners)
+                if (a.height(corner) > rounding) return false;
         }
     return true;
 }
@@ -65,6 +65,7 @@ Surfaces gather_surfaces(const Scene& scene, const SurfaceGroups& groups, Sides 
     surfaces.faces.resize(count);
     surfaces.triangles.resize(count);
     surfaces.area.assign(count, 0);
+    std::vector<Body> bodies;
     for (Bucket& bucket : buckets) {
         const bool front = bucket.front, back = bucket.back && sides == Sides::Both;
         if (bucket.group != kNoGroup) surfaces.area[bucket.group] += bucket.area * (int{front} + int{back});
@@ -75,15 +76,16 @@ Surfaces gather_surfaces(const Scene& scene, const SurfaceGroups& groups, Sides 
                 if (back) list.push_back({bucket.instance, Face::make(t, Side::Back)});
             }
         for (Polygon& polygon : bucket.polygons) {
-            const auto body = static_cast<std::uint32_t>(surfaces.bodies.size());
-            if (bucket.group != kNoGroup && front) surfaces.faces[bucket.group].push_back({polygon, body});
-            if (bucket.group != kNoGroup && back) surfaces.faces[bucket.group].push_back({reversed(polygon), body});
-            if (bucket.group != kNoGroup && back) add_rules(surfaces.faces[bucket.group].back().polygon);
+            if (bucket.group != kNoGroup && front) surfaces.faces[bucket.group].push_back(polygon);
+            if (bucket.group != kNoGroup && back) {
+                surfaces.faces[bucket.group].push_back(reversed(polygon));
+                add_rules(surfaces.faces[bucket.group].back());
+            }
             polygon.coarse = polygon.fine = polygon.finest = {};
-            surfaces.bodies.push_back(std::move(polygon));
-            surfaces.group_of_body.push_back(bucket.group);
+            bodies.push_back({std::move(polygon), bucket.group});
         }
     }
+    surfaces.bodies = joined_bodies(bodies);
     surfaces.convex.assign(count, 0);
     parallel_for(count, 1, [&](std::size_t g) { surfaces.convex[g] = is_convex(surfaces.faces[g]); });
     return surfaces;

@@ -9,10 +9,10 @@
 
 namespace rro {
 
-/// One side that receives and sends. Blocks too, as the body it is a side of.
-struct GroupFace {
-    Polygon polygon;
-    std::uint32_t body = 0;  // into Surfaces::bodies
+/// What blocks: sides that look the same way from one plane, of whichever groups they are.
+struct Body {
+    Polygon polygon;                 // its front; no rules
+    std::uint32_t group = kNoGroup;  // of all of it, or none
 };
 
 /// A side of a triangle that exchanges, to draw points from.
@@ -22,10 +22,9 @@ struct GroupTriangle {
 };
 
 struct Surfaces {
-    std::vector<Polygon> bodies;      // every surface of the scene, fronts: what blocks
-    std::vector<std::vector<GroupFace>> faces;  // [G] what exchanges, by group
+    std::vector<Body> bodies;                   // every surface of the scene
+    std::vector<std::vector<Polygon>> faces;    // [G] sides that exchange, by group
     std::vector<std::vector<GroupTriangle>> triangles;  // [G] the same, as triangles
-    std::vector<std::uint32_t> group_of_body;           // or kNoGroup
     std::vector<double> area;         // [G] m^2, sum over the triangles' sides
     std::vector<std::uint8_t> convex; // [G] nothing of the group stands before one of its faces
 };
@@ -38,5 +37,8 @@ Surfaces gather_surfaces(const Scene& scene, const SurfaceGroups& groups, Sides 
 
 /// Convex polygons that cover an instance's triangles, given by number; all of one group and sidedness.
 std::vector<Polygon> merged_polygons(const Instance& instance, const std::vector<std::uint32_t>& triangles);
+
+/// Bodies of any instances that touch in one plane, looking the same way, as one.
+std::vector<Body> joined_bodies(const std::vector<Body>& bodies);
 
 }  // namespace rro
