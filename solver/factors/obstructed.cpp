@@ -13,6 +13,7 @@ namespace {
 constexpr int kMostDepth = 9;       // quarterings by disagreement
 constexpr int kMostForcedDepth = 6;  // and because of small blockers near by
 constexpr double kQuickly = 1e-3;  // tolerance over open exchange from where two rules that agree are believed
+constexpr double kSliver = 1e-13;   // of the emitter: less is left between blockers that share an edge by rounding
 constexpr double kEdgeOn = 1e-12;   // sine below which a blocker is seen edge-on and hides nothing
 
 /// Convex polygons one after another in one array, so that cutting them allocates nothing.
@@ -28,11 +29,15 @@ struct Pieces {
     std::span<const Vec3> operator[](std::size_t piece) const {
         return std::span(points).subspan(begin(piece), ends[piece] - begin(piece));
     }
-    void close() {  // what has been added since the last end is a piece, unless it has no inside
-        if (points.size() - (ends.empty() ? 0 : ends.back()) >= 3)
+    void close(double least_area = 0) {  // what has been added since the last end is a piece, unless it is too small
+        const std::size_t first = ends.empty() ? 0 : ends.back();
+        Vec3 area;
+        for (std::size_t k = first + 1; k + 1 < points.size(); ++k)
+            area += area_vector(points[first], points[k], points[k + 1]);
+        if (length2(area) > least_area * least_area)
             ends.push_back(points.size());
         else
-            points.resize(ends.empty() ? 0 : ends.back());
+            points.resize(first);
     }
 };
 
@@ -137,7 +142,7 @@ class Integrand {
             last = p;
             last_height = height;
         }
-        next_.close();
+        next_.close(kSliver * b_.area);
         if (inside_.size() < 3) inside_.clear();
         std::swap(rest_, inside_);
     }
