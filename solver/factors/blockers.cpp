@@ -75,7 +75,9 @@ void make_shaft(std::span<const Vec3> a, const HalfSpace& behind_a, std::span<co
     for (const Vec3& c : b) shaft.box.add(c);
 }
 
-Blockers::Blockers(const std::vector<Body>& bodies) : bodies_(bodies), boxes_(bodies.size()) {
+Blockers::Blockers(const Surfaces& surfaces)
+    : bodies_(surfaces.bodies), solids_(surfaces.solids), boxes_(surfaces.bodies.size()) {
+    const std::vector<Body>& bodies = bodies_;
     if (bodies.empty()) return;
     parallel_for(bodies.size(), 1024, [&](std::size_t i) { boxes_[i] = box_of(bodies[i].polygon); });
     order_.resize(bodies.size());
@@ -141,8 +143,9 @@ void Blockers::build(std::uint32_t first, std::uint32_t count) {
     build(first + count / 2, count - count / 2);
 }
 
-bool Blockers::reach_into(const Shaft& shaft, std::size_t most, std::vector<std::uint32_t>& found) const {
-    found.clear();
+bool Blockers::reach_into(const Shaft& shaft, std::size_t most, bool whole, Between& found) const {
+    found.bodies.clear();
+    found.solids.clear();
     if (nodes_.empty()) return true;
     std::array<std::uint32_t, kStack> stack{0};
     std::size_t waiting = 1;
@@ -156,13 +159,19 @@ bool Blockers::reach_into(const Shaft& shaft, std::size_t most, std::vector<std:
             continue;
         }
         for (std::uint32_t k = 0; k < node.count; ++k) {
-            const std::uint32_t body = order_[node.first + k];
+            const std::uint32_t body = order_[node.first + k], group = bodies_[body].group;
+            const bool of_solid = whole && group != kNoGroup && !solids_[group].empty();
+            if (of_solid && std::find(found.solids.begin(), found.solids.end(), group) != found.solids.end()) continue;
             if (outside(bodies_[body].polygon, shaft)) continue;
-            if (found.size() == most) return false;
-            found.push_back(body);
+            if (found.bodies.size() + found.solids.size() == most) return false;
+            if (of_solid)
+                found.solids.push_back(group);
+            else
+                found.bodies.push_back(body);
         }
     }
-    std::sort(found.begin(), found.end());
+    std::sort(found.bodies.begin(), found.bodies.end());
+    std::sort(found.solids.begin(), found.solids.end());
     return true;
 }
 

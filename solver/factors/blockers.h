@@ -27,18 +27,27 @@ struct Shaft {
 void make_shaft(std::span<const Vec3> a, const HalfSpace& behind_a, std::span<const Vec3> b, const HalfSpace& behind_b,
                 Shaft& shaft);
 
+/// What reaches into a shaft.
+struct Between {
+    std::vector<std::uint32_t> bodies;  // into Surfaces::bodies
+    std::vector<std::uint32_t> solids;  // groups
+
+    bool empty() const { return bodies.empty() && solids.empty(); }
+};
+
 class Blockers {
   public:
-    /// Keeps a reference to the bodies. Those with all of the scene on one side of their plane can block nothing and are
+    /// Keeps a reference to the surfaces. Those with all of the scene on one side of their plane can block nothing and are
     /// left out: a convex room has no blockers.
-    explicit Blockers(const std::vector<Body>& bodies);
+    explicit Blockers(const Surfaces& surfaces);
 
     bool empty() const { return nodes_.empty(); }
     std::size_t size() const { return order_.size(); }
 
-    /// Bodies that reach into a shaft, ascending. Those of its ends lie in their planes and do not.
-    /// returns  whether there are no more than `most`; else the list is cut short
-    bool reach_into(const Shaft& shaft, std::size_t most, std::vector<std::uint32_t>& found) const;
+    /// Bodies and solids that reach into a shaft, ascending. Those of its ends lie in their planes and do not.
+    /// whole    solids count as one; else their bodies are listed
+    /// returns  whether there are no more than `most` of both; else the lists are cut short
+    bool reach_into(const Shaft& shaft, std::size_t most, bool whole, Between& found) const;
 
     /// Whether any body that `counts` accepts meets the box around both boxes.
     bool any_between(const Box3& a, const Box3& b, const std::function<bool(std::uint32_t)>& counts) const;
@@ -52,6 +61,7 @@ class Blockers {
     void build(std::uint32_t first, std::uint32_t count);
 
     const std::vector<Body>& bodies_;
+    const std::vector<Solid>& solids_;  // [G]
     std::vector<Box3> boxes_;           // [bodies]
     std::vector<Node> nodes_;           // preorder
     std::vector<std::uint32_t> order_;  // bodies in the order of the leaves

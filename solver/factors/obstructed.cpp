@@ -42,7 +42,7 @@ struct Pieces {
 };
 
 /// A blocker between the two planes, with the ball around it.
-struct Between {
+struct Blocker {
     std::vector<Vec3> corners;
     Vec3 normal, centre;
     double radius = 0;
@@ -50,21 +50,23 @@ struct Between {
 
 class Integrand {
   public:
-    Integrand(const Polygon& a, const Polygon& b, std::span<const Polygon* const> blockers) : a_(a), b_(b) {
+    Integrand(const Polygon& a, const Polygon& b, const Obstacles& obstacles) : a_(a), b_(b) {
+        for (const Solid* solid : obstacles.solids)  // what is behind b hides nothing of it
+            solids_.push_back(solid->in_front_of(b.normal, b.offset) ? *solid : solid->in_front(b.normal, b.offset));
         std::vector<Vec3> part, rest;
-        for (const Polygon* blocker : blockers) {
+        for (const Polygon* blocker : obstacles.bodies) {
             clip_to_front(blocker->corners, a.normal, a.offset, part);
             if (part.empty()) continue;
             clip_to_front(part, b.normal, b.offset, rest);
             if (rest.empty()) continue;
-            Between between{rest, blocker->normal, {}, 0};
+            Blocker between{rest, blocker->normal, {}, 0};
             for (const Vec3& c : rest) between.centre += c / static_cast<double>(rest.size());
             for (const Vec3& c : rest) between.radius = std::max(between.radius, length(c - between.centre));
             blockers_.push_back(std::move(between));
         }
         // Large ones first: they leave little for the others to cut.
         std::stable_sort(blockers_.begin(), blockers_.end(),
-                         [](const Between& x, const Between& y) { return x.radius > y.radius; });
+                         [](const Blocker& x, const Blocker& y) { return x.radius > y.radius; });
     }
 
     /// The factor from a point of a to what it sees of b.
@@ -72,34 +74,61 @@ class Integrand {
         left_.clear();
         left_.points.assign(b_.corners.begin(), b_.corners.end());
         left_.close();
-        for (const Between& blocker : blockers_) {
-            hide(x, blocker);
+        for (const Blocker& blocker : blockers_) {
+            if (!edge_planes(x, blocker)) continue;
+            hide(x);
             if (left_.ends.empty()) return 0;
         }
+        // The outline of a solid has many edges: of the last one the part of each piece that it hides is subtracted.
+        for (std::size_t k = 0; k + 1 < solids_.size(); ++k) {
+            solids_[k].outline(x, turned_, inner_);
+            hide(x);
+        }
+        if (!solids_.empty()) solids_.back().outline(x, turned_, inner_);
         double sum = 0;
-        for (std::size_t piece = 0; piece < left_.ends.size(); ++piece) sum += point_to_polygon(x, a_.normal, left_[piece]);
-        return sum;
+        for (std::size_t piece = 0; piece < left_.ends.size(); ++piece) {
+            sum += point_to_polygon(x, a_.normal, left_[piece]);
+            if (!solids_.empty()) sum -= hidden(x, left_[piece]);
+        }
+        return std::max(0.0, sum);
     }
 
     /// Whether a blocker near a triangle is too small for its nodes to notice.
     bool may_miss(const Vec3& centre, double radius) const {
-        return std::any_of(blockers_.begin(), blockers_.end(), [&](const Between& blocker) {
+        return std::any_of(blockers_.begin(), blockers_.end(), [&](const Blocker& blocker) {
             return blocker.radius < radius && length(blocker.centre - centre) < radius + 2 * blocker.radius;
         });
     }
 
   private:
-    /// Takes the shadow of a blocker as seen from x out of what is left of b.
-    void hide(const Vec3& x, const Between& blocker) {
+    /// Sets the inner normals of the planes through x and the edges of a blocker; false where it is seen edge-on.
+    bool edge_planes(const Vec3& x, const Blocker& blocker) {
         const double height = dot(blocker.normal, x - blocker.centre);
-        if (std::abs(height) <= kEdgeOn * length(x - blocker.centre)) return;
-        inner_.clear();  // inner normals of the planes through x and an edge
+        if (std::abs(height) <= kEdgeOn * length(x - blocker.centre)) return false;
+        inner_.clear();
         for (std::size_t k = 0; k < blocker.corners.size(); ++k) {
             const Vec3 from = blocker.corners[k] - x;
             const Vec3 to = blocker.corners[k + 1 == blocker.corners.size() ? 0 : k + 1] - x;
             const Vec3 n = cross(from, to);
             inner_.push_back(height > 0 ? -n : n);
         }
+        return true;
+    }
+
+    /// The factor to the part of a piece inside all planes.
+    double hidden(const Vec3& x, std::span<const Vec3> piece) {
+        rest_.assign(piece.begin(), piece.end());
+        if (beyond_one(x)) return 0;
+        for (const Vec3& n : inner_) {
+            clip_to_front(rest_, n, dot(n, x), inside_);
+            std::swap(rest_, inside_);
+            if (rest_.empty()) return 0;
+        }
+        return point_to_polygon(x, a_.normal, rest_);
+    }
+
+    /// Takes what is inside all planes out of what is left of b.
+    void hide(const Vec3& x) {
         next_.clear();
         for (std::size_t piece = 0; piece < left_.ends.size(); ++piece) {
             rest_.assign(left_[piece].begin(), left_[piece].end());
@@ -149,7 +178,9 @@ class Integrand {
 
     const Polygon& a_;
     const Polygon& b_;
-    std::vector<Between> blockers_;
+    std::vector<Blocker> blockers_;
+    std::vector<Solid> solids_;
+    std::vector<std::uint8_t> turned_;
     Pieces left_, next_;
     std::vector<Vec3> inner_, rest_, inside_;
 };
@@ -196,17 +227,17 @@ Part integrate(Integrand& seen, const TriangleCorners& t, double tolerance, bool
 
 }  // namespace
 
-double rough_exchange(const Polygon& a, const Polygon& b, std::span<const Polygon* const> blockers) {
-    Integrand seen(a, b, blockers);
+double rough_exchange(const Polygon& a, const Polygon& b, const Obstacles& obstacles) {
+    Integrand seen(a, b, obstacles);
     double sum = 0;
     for (std::size_t k = 1; k + 1 < a.corners.size(); ++k)
         sum += estimate(seen, {a.corners[0], a.corners[k], a.corners[k + 1]}, 3);
     return sum;
 }
 
-ObstructedExchange obstructed_exchange(const Polygon& a, const Polygon& b, std::span<const Polygon* const> blockers,
-                                       double open, double tolerance) {
-    Integrand seen(a, b, blockers);
+ObstructedExchange obstructed_exchange(const Polygon& a, const Polygon& b, const Obstacles& obstacles, double open,
+                                       double tolerance) {
+    Integrand seen(a, b, obstacles);
     Part part;
     const bool quick = tolerance >= kQuickly * open;
     for (std::size_t k = 1; k + 1 < a.corners.size(); ++k) {

@@ -18,10 +18,29 @@ constexpr double kSecondsForOne = 3;               // that cutting one pair of g
 constexpr double kSmallFactor = 0.01;              // below it the tolerance is absolute
 constexpr double kShareOfTolerance = 0.3;          // that the rules may err by
 
-/// Seconds to cut `between` blockers out of one pair of polygons, both ways, as measured.
-double cutting_seconds(std::size_t between) {
-    const double n = static_cast<double>(between);
-    return 1e-6 * (40 + 60 * n + 8 * n * n);
+/// Seconds to cut blockers out of one pair of polygons, both ways, as measured.
+double cutting_seconds(const PairWork& work, const Between& between) {
+    const double n = static_cast<double>(between.bodies.size() + 2 * between.solids.size());
+    double edges = 0;
+    for (const std::uint32_t group : between.solids) edges += static_cast<double>(work.surfaces.solids[group].edges.size());
+    return 1e-6 * (40 + 60 * n + 8 * n * n + 0.6 * edges);
+}
+
+/// What stands between the two polygons of a facing pair. Solids that hold a part of them do not block as one.
+/// returns  whether there is no more than can be cut out
+bool look(const PairWork& work, PairScratch& scratch) {
+    const Polygon& p = *scratch.facing.a;
+    const Polygon& q = *scratch.facing.b;
+    make_shaft(p.corners, {-p.normal, -p.offset}, q.corners, {-q.normal, -q.offset}, scratch.shaft);
+    if (!work.blockers.reach_into(scratch.shaft, kMostBetween, true, scratch.between)) return false;
+    for (const std::uint32_t group : scratch.between.solids) {
+        const Solid& solid = work.surfaces.solids[group];
+        const auto inside = [&](const Vec3& c) { return solid.contains(c); };
+        if (std::any_of(p.corners.begin(), p.corners.end(), inside) ||
+            std::any_of(q.corners.begin(), q.corners.end(), inside))
+            return work.blockers.reach_into(scratch.shaft, kMostBetween, false, scratch.between);
+    }
+    return true;
 }
 
 /// The part of a pair of groups that one chunk of faces has.
@@ -37,15 +56,12 @@ void add_faces(const PairWork& work, std::uint32_t a, std::uint32_t b, const Pol
     if (!facing_parts(from, to, facing)) return;
     bool clear = true;
     if (look_between) {
-        const Polygon& p = *facing.a;
-        const Polygon& q = *facing.b;
-        make_shaft(p.corners, {-p.normal, -p.offset}, q.corners, {-q.normal, -q.offset}, scratch.shaft);
-        const bool all = work.blockers.reach_into(scratch.shaft, kMostBetween, scratch.between);
-        clear = scratch.between.empty();
-        share.too_much = share.too_much || !all;
+        const bool few = look(work, scratch);
+        clear = few && scratch.between.empty();
+        share.too_much = share.too_much || !few;
         if (!clear) {
             share.obstructed.push_back({a, b});
-            share.seconds += cutting_seconds(scratch.between.size());
+            share.seconds += cutting_seconds(work, scratch.between);
             share.too_much = share.too_much || share.seconds > kSecondsForOne;
         }
     }
@@ -70,14 +86,15 @@ void add_share(Share&& share, GroupPair& pair) {
     pair.obstructed.insert(pair.obstructed.end(), share.obstructed.begin(), share.obstructed.end());
 }
 
-/// Bodies between two polygons of a pair.
-std::vector<const Polygon*> between(const PairWork& work, PairScratch& scratch) {
-    const Polygon& p = *scratch.facing.a;
-    const Polygon& q = *scratch.facing.b;
-    make_shaft(p.corners, {-p.normal, -p.offset}, q.corners, {-q.normal, -q.offset}, scratch.shaft);
-    work.blockers.reach_into(scratch.shaft, kMostBetween, scratch.between);
-    std::vector<const Polygon*> found;
-    for (const std::uint32_t body : scratch.between) found.push_back(&work.surfaces.bodies[body].polygon);
+/// What `look` has found, as the cutting takes it.
+struct Found {
+    std::vector<const Polygon*> bodies;
+    std::vector<const Solid*> solids;
+};
+Found found_in(const PairWork& work, const Between& between) {
+    Found found;
+    for (const std::uint32_t body : between.bodies) found.bodies.push_back(&work.surfaces.bodies[body].polygon);
+    for (const std::uint32_t group : between.solids) found.solids.push_back(&work.surfaces.solids[group]);
     return found;
 }
 
@@ -130,19 +147,20 @@ GroupPair find_pair(const PairWork& work, std::uint32_t i, std::uint32_t j, Pair
 void cut_out(const PairWork& work, GroupPair& pair) {
     const Surfaces& s = work.surfaces;
     const std::size_t count = pair.obstructed.size();
-    const auto with_each = [&](const auto& body) {  // body(number, polygon of `from`, polygon of `to`, blockers)
+    const auto with_each = [&](const auto& body) {  // body(number, polygon of `from`, polygon of `to`, obstacles)
         parallel_for(count, 1, [&](std::size_t k) {
             PairScratch scratch;
             const Polygon& from = s.faces[pair.from][pair.obstructed[k].a];
             const Polygon& to = s.faces[pair.to][pair.obstructed[k].b];
             if (!facing_parts(from, to, scratch.facing)) return;
-            const std::vector<const Polygon*> blockers = between(work, scratch);
-            body(k, *scratch.facing.a, *scratch.facing.b, blockers);
+            look(work, scratch);
+            const Found found = found_in(work, scratch.between);
+            body(k, *scratch.facing.a, *scratch.facing.b, Obstacles{found.bodies, found.solids});
         });
     };
     std::vector<double> rough(count, 0);
-    with_each([&](std::size_t k, const Polygon& p, const Polygon& q, const auto& blockers) {
-        rough[k] = rough_exchange(p, q, blockers);
+    with_each([&](std::size_t k, const Polygon& p, const Polygon& q, const Obstacles& obstacles) {
+        rough[k] = rough_exchange(p, q, obstacles);
     });
     const double about = (pair.from == pair.to ? 2 : 1) * std::accumulate(rough.begin(), rough.end(), 0.0);
     const auto tolerance = [&](std::uint32_t group) {  // m^2 for each pair of polygons; their errors add as squares
@@ -154,10 +172,10 @@ void cut_out(const PairWork& work, GroupPair& pair) {
         ObstructedExchange there, back;
     };
     std::vector<Both> parts(count);
-    with_each([&](std::size_t k, const Polygon& p, const Polygon& q, const auto& blockers) {
+    with_each([&](std::size_t k, const Polygon& p, const Polygon& q, const Obstacles& obstacles) {
         const double open = facing_exchange(p, q);
-        parts[k].there = obstructed_exchange(p, q, blockers, open, tolerance_there);
-        parts[k].back = obstructed_exchange(q, p, blockers, open, tolerance_back);
+        parts[k].there = obstructed_exchange(p, q, obstacles, open, tolerance_there);
+        parts[k].back = obstructed_exchange(q, p, obstacles, open, tolerance_back);
     });
     double there2 = 0, back2 = 0;
     for (const Both& part : parts) {

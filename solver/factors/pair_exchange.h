@@ -45,7 +45,7 @@ struct PairWork {
 struct PairScratch {
     FacingPair facing;
     Shaft shaft;
-    std::vector<std::uint32_t> between;
+    Between between;
 };
 
 /// Sums up what is exact and lists the rest. A pair with too much between for cutting comes back as `sampled`.

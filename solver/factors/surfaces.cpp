@@ -87,7 +87,11 @@ Surfaces gather_surfaces(const Scene& scene, const SurfaceGroups& groups, Sides 
     }
     surfaces.bodies = joined_bodies(bodies);
     surfaces.convex.assign(count, 0);
-    parallel_for(count, 1, [&](std::size_t g) { surfaces.convex[g] = is_convex(surfaces.faces[g]); });
+    surfaces.solids.resize(count);
+    parallel_for(count, 1, [&](std::size_t g) {
+        surfaces.convex[g] = is_convex(surfaces.faces[g]);
+        if (surfaces.convex[g]) surfaces.solids[g] = make_solid(surfaces.faces[g]);
+    });
     return surfaces;
 }
 

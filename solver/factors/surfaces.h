@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "solver/factors/polygon.h"
+#include "solver/factors/solid.h"
 #include "solver/factors/surface_groups.h"
 
 namespace rro {
@@ -26,6 +27,7 @@ struct Surfaces {
     std::vector<std::vector<Polygon>> faces;    // [G] sides that exchange, by group
     std::vector<std::vector<GroupTriangle>> triangles;  // [G] the same, as triangles
     std::vector<double> area;         // [G] m^2, sum over the triangles' sides
+    std::vector<Solid> solids;                  // [G] empty where the group is none
     std::vector<std::uint8_t> convex; // [G] nothing of the group stands before one of its faces
 };
 

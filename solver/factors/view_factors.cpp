@@ -162,7 +162,7 @@ Result<Factors> view_factors(const Scene& scene, const FactorOptions& options, c
     for (std::size_t g = 0; g < surfaces.area.size(); ++g)
         if (!(surfaces.area[g] > 0))
             return bad_input(scene.manifest.path.string(), "\"" + groups->names[g] + "\" has no side with an area");
-    const Blockers blockers(surfaces.bodies);
+    const Blockers blockers(surfaces);
     Factors factors;
     factors.options = options;
     factors.options.by = groups->by;
