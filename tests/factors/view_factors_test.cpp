@@ -213,7 +213,7 @@ TEST_CASE("closed scenes with obstructions close", "[factors]") {
 // A wall of many bodies between two rooms lets nothing through: exactly 0, by cutting and by rays.
 TEST_CASE("what is hidden altogether exchanges exactly nothing", "[factors]") {
     FactorOptions rough;  // for the rays, which must not find a gap however few they are
-    rough.accuracy = 0.02;
+    rough.accuracy = 0.1;
     for (const int divisions : {1, 7, 40}) {
         Mesh screen = empty_mesh(false);
         add_parallelogram(screen, {-2, -2, 0.5}, ex * 5, ey * 5, divisions);
@@ -247,10 +247,10 @@ TEST_CASE("rays agree with symmetry and with what is exact", "[factors]") {
     std::vector<Placed> scene = unit_room();
     scene.push_back({translated(make_torus(32, 16, 0.25, 0.08), {0.5, 0.5, 0.5})});
     FactorOptions options;
-    options.accuracy = 0.01;
+    options.accuracy = 0.05;
     const Factors f = factors_of(scene, options);
     CHECK(f.counts.sampled > 0);
-    CHECK(worst_row(f) < 0.01);
+    CHECK(worst_row(f) < 0.05);
     for (const std::uint32_t wall : {2u, 3u}) {
         double mean = 0;
         for (const std::uint32_t other : {0u, 1u, 4u, 5u}) mean += value(f, wall, other) / 4;
@@ -291,11 +291,11 @@ TEST_CASE("factors follow any affine placement", "[factors]") {
 }
 
 TEST_CASE("the matrix is the same for any number of threads", "[factors]") {
-    std::vector<Placed> scene = unit_room(2);
-    scene.push_back({translated(make_torus(24, 12, 0.25, 0.08), {0.5, 0.5, 0.5})});
+    std::vector<Placed> scene = unit_room();
+    scene.push_back({translated(make_torus(12, 6, 0.25, 0.08), {0.5, 0.5, 0.5})});
     scene.push_back({make_box(0.1, 0.1, 0.1, 1, {0.2, 0.2, 0.2})});
     FactorOptions options;
-    options.accuracy = 0.1;
+    options.accuracy = 0.3;
     set_thread_count(1);
     const Factors one = factors_of(scene, options);
     set_thread_count(3);
