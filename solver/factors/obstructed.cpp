@@ -14,6 +14,7 @@ constexpr int kMostDepth = 9;       // quarterings by disagreement
 constexpr int kMostForcedDepth = 6;  // and because of small blockers near by
 constexpr double kQuickly = 1e-3;  // tolerance over open exchange from where two rules that agree are believed
 constexpr double kSliver = 1e-13;   // of the emitter: less is left between blockers that share an edge by rounding
+constexpr double kAlike = 2;        // quarters of a symmetric scene err alike: their errors do not quite add as squares
 constexpr double kEdgeOn = 1e-12;   // sine below which a blocker is seen edge-on and hides nothing
 
 /// Convex polygons one after another in one array, so that cutting them allocates nothing.
@@ -247,7 +248,7 @@ ObstructedExchange obstructed_exchange(const Polygon& a, const Polygon& b, const
         part.value += of_triangle.value;
         part.error2 += of_triangle.error2;
     }
-    return {part.value, std::sqrt(part.error2)};
+    return {part.value, kAlike * std::sqrt(part.error2)};
 }
 
 }  // namespace rro

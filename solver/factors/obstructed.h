@@ -26,7 +26,7 @@ struct ObstructedExchange {
 ///
 /// open      the exchange with nothing between, m^2: tells how much of it the tolerance is
 /// obstacles may reach behind a and b: what does so is cut off
-/// returns   the standard error is the quadratic sum of the last differences between levels
+/// returns   the standard error is twice the quadratic sum of the last differences between levels
 ObstructedExchange obstructed_exchange(const Polygon& a, const Polygon& b, const Obstacles& obstacles, double open,
                                        double tolerance);
 
