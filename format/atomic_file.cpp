@@ -50,47 +50,7 @@ void sync_folder(const fs::path& folder) {
     ::close(handle);
 }
 
-/// Fills and syncs the temporary file, keeping the permissions of a file it will replace; 0, or the system's reason.
-int fill(int file, const fs::path& target, std::span<const std::byte> bytes) {
-    struct stat old {};
-    if (::stat(target.c_str(), &old) == 0 && ::fchmod(file, old.st_mode & 07777) != 0) return errno;
-    if (const int reason = write_all(file, bytes)) return reason;
-    return ::fsync(file) == 0 ? 0 : errno;
-}
-
-/// Devices and pipes (`--out /dev/stdout`) are written to, never replaced.
-Status write_in_place(const fs::path& path, std::span<const std::byte> bytes) {
-    const int file = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
-    if (file < 0) return cannot_write(path, errno);
-    const int reason = write_all(file, bytes);
-    ::close(file);
-    if (reason) return cannot_write(path, reason);
-    return Done{};
-}
-
 }  // namespace
-
-Status write_file_atomically(const fs::path& path, std::span<const std::byte> bytes) {
-    std::error_code ignored;
-    const fs::file_status status = fs::status(path, ignored);
-    if (fs::is_directory(status)) return cannot_write(path, EISDIR);
-    if (fs::exists(status) && !fs::is_regular_file(status)) return write_in_place(path, bytes);
-    // A link keeps pointing to its file, which gets the new content.
-    const fs::path target = fs::is_symlink(path, ignored) && fs::exists(status) ? fs::canonical(path, ignored) : path;
-
-    fs::path temporary;
-    const int file = open_beside(target, temporary);
-    if (file < 0) return cannot_write(path, errno);
-    int reason = fill(file, target, bytes);
-    if (::close(file) != 0 && !reason) reason = errno;
-    if (!reason && ::rename(temporary.c_str(), target.c_str()) != 0) reason = errno;
-    if (reason) {
-        ::unlink(temporary.c_str());
-        return cannot_write(path, reason);
-    }
-    sync_folder(target.parent_path());
-    return Done{};
-}
 
 AtomicFile::AtomicFile(fs::path path, fs::path target, fs::path temporary, int file)
     : path_(std::move(path)), target_(std::move(target)), temporary_(std::move(temporary)), file_(file) {}
@@ -109,11 +69,12 @@ Result<AtomicFile> AtomicFile::open(const fs::path& path) {
     std::error_code ignored;
     const fs::file_status status = fs::status(path, ignored);
     if (fs::is_directory(status)) return cannot_write(path, EISDIR);
-    if (fs::exists(status) && !fs::is_regular_file(status)) {
+    if (fs::exists(status) && !fs::is_regular_file(status)) {  // `--out /dev/stdout` is written to, never replaced
         const int device = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
         if (device < 0) return cannot_write(path, errno);
         return AtomicFile(path, path, {}, device);
     }
+    // A link keeps pointing to its file, which gets the new content and keeps its permissions.
     const fs::path target = fs::is_symlink(path, ignored) && fs::exists(status) ? fs::canonical(path, ignored) : path;
     fs::path temporary;
     const int file = open_beside(target, temporary);
@@ -148,7 +109,14 @@ Status AtomicFile::commit() {
 }
 
 Status write_file_atomically(const fs::path& path, std::string_view text) {
-    return write_file_atomically(path, std::as_bytes(std::span(text.data(), text.size())));
+    auto file = AtomicFile::open(path);
+    if (!file) return file.error();
+    if (auto written = file->write(text); !written) return written.error();
+    return file->commit();
+}
+
+Status write_file_atomically(const fs::path& path, std::span<const std::byte> bytes) {
+    return write_file_atomically(path, std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
 }
 
 }  // namespace rro
