@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <string>
 #include <system_error>
+#include <utility>
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -49,50 +50,73 @@ void sync_folder(const fs::path& folder) {
     ::close(handle);
 }
 
-/// Fills and syncs the temporary file, keeping the permissions of a file it will replace; 0, or the system's reason.
-int fill(int file, const fs::path& target, std::span<const std::byte> bytes) {
-    struct stat old {};
-    if (::stat(target.c_str(), &old) == 0 && ::fchmod(file, old.st_mode & 07777) != 0) return errno;
-    if (const int reason = write_all(file, bytes)) return reason;
-    return ::fsync(file) == 0 ? 0 : errno;
-}
-
-/// Devices and pipes (`--out /dev/stdout`) are written to, never replaced.
-Status write_in_place(const fs::path& path, std::span<const std::byte> bytes) {
-    const int file = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
-    if (file < 0) return cannot_write(path, errno);
-    const int reason = write_all(file, bytes);
-    ::close(file);
-    if (reason) return cannot_write(path, reason);
-    return Done{};
-}
-
 }  // namespace
 
-Status write_file_atomically(const fs::path& path, std::span<const std::byte> bytes) {
+AtomicFile::AtomicFile(fs::path path, fs::path target, fs::path temporary, int file)
+    : path_(std::move(path)), target_(std::move(target)), temporary_(std::move(temporary)), file_(file) {}
+
+AtomicFile::AtomicFile(AtomicFile&& other) noexcept
+    : path_(std::move(other.path_)), target_(std::move(other.target_)), temporary_(std::move(other.temporary_)),
+      file_(std::exchange(other.file_, -1)) {}
+
+AtomicFile::~AtomicFile() {
+    if (file_ < 0) return;
+    ::close(file_);
+    if (!temporary_.empty()) ::unlink(temporary_.c_str());
+}
+
+Result<AtomicFile> AtomicFile::open(const fs::path& path) {
     std::error_code ignored;
     const fs::file_status status = fs::status(path, ignored);
     if (fs::is_directory(status)) return cannot_write(path, EISDIR);
-    if (fs::exists(status) && !fs::is_regular_file(status)) return write_in_place(path, bytes);
-    // A link keeps pointing to its file, which gets the new content.
+    if (fs::exists(status) && !fs::is_regular_file(status)) {  // `--out /dev/stdout` is written to, never replaced
+        const int device = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
+        if (device < 0) return cannot_write(path, errno);
+        return AtomicFile(path, path, {}, device);
+    }
+    // A link keeps pointing to its file, which gets the new content and keeps its permissions.
     const fs::path target = fs::is_symlink(path, ignored) && fs::exists(status) ? fs::canonical(path, ignored) : path;
-
     fs::path temporary;
     const int file = open_beside(target, temporary);
     if (file < 0) return cannot_write(path, errno);
-    int reason = fill(file, target, bytes);
-    if (::close(file) != 0 && !reason) reason = errno;
-    if (!reason && ::rename(temporary.c_str(), target.c_str()) != 0) reason = errno;
-    if (reason) {
-        ::unlink(temporary.c_str());
-        return cannot_write(path, reason);
+    AtomicFile opened(path, target, temporary, file);
+    struct stat old {};
+    if (::stat(target.c_str(), &old) == 0 && ::fchmod(file, old.st_mode & 07777) != 0) return cannot_write(path, errno);
+    return opened;
+}
+
+Status AtomicFile::write(std::string_view text) {
+    const int reason = write_all(file_, std::as_bytes(std::span(text.data(), text.size())));
+    if (reason) return cannot_write(path_, reason);
+    return Done{};
+}
+
+Status AtomicFile::commit() {
+    const bool replaces = !temporary_.empty();
+    int reason = replaces && ::fsync(file_) != 0 ? errno : 0;
+    if (::close(std::exchange(file_, -1)) != 0 && !reason) reason = errno;
+    if (!replaces) {
+        if (reason) return cannot_write(path_, reason);
+        return Done{};
     }
-    sync_folder(target.parent_path());
+    if (!reason && ::rename(temporary_.c_str(), target_.c_str()) != 0) reason = errno;
+    if (reason) {
+        ::unlink(temporary_.c_str());
+        return cannot_write(path_, reason);
+    }
+    sync_folder(target_.parent_path());
     return Done{};
 }
 
 Status write_file_atomically(const fs::path& path, std::string_view text) {
-    return write_file_atomically(path, std::as_bytes(std::span(text.data(), text.size())));
+    auto file = AtomicFile::open(path);
+    if (!file) return file.error();
+    if (auto written = file->write(text); !written) return written.error();
+    return file->commit();
+}
+
+Status write_file_atomically(const fs::path& path, std::span<const std::byte> bytes) {
+    return write_file_atomically(path, std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
 }
 
 }  // namespace rro

@@ -17,4 +17,23 @@ namespace rro {
 Status write_file_atomically(const std::filesystem::path& path, std::span<const std::byte> bytes);
 Status write_file_atomically(const std::filesystem::path& path, std::string_view text);
 
+/// The same, piece by piece, for what need not be in memory at once. A file that is not committed leaves nothing behind.
+class AtomicFile {
+  public:
+    /// errors   Failed: as above
+    static Result<AtomicFile> open(const std::filesystem::path& path);
+    AtomicFile(AtomicFile&& other) noexcept;
+    AtomicFile& operator=(AtomicFile&&) = delete;
+    ~AtomicFile();
+
+    Status write(std::string_view text);
+    /// Syncs and renames; nothing may be written after it.
+    Status commit();
+
+  private:
+    AtomicFile(std::filesystem::path path, std::filesystem::path target, std::filesystem::path temporary, int file);
+    std::filesystem::path path_, target_, temporary_;  // no temporary one for devices, which are written in place
+    int file_ = -1;
+};
+
 }  // namespace rro

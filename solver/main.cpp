@@ -10,6 +10,7 @@
 #include "format/version.h"
 #include "solver/arguments.h"
 #include "solver/explain.h"
+#include "solver/factors/factors_output.h"
 #include "solver/output/output.h"
 #include "solver/solve_scene.h"
 
@@ -23,6 +24,8 @@ constexpr const char* kExamples =
     "  rro-solve run room.json --radiosity room.csv --report room.report.json --accuracy 0.05\n"
     "  rro-solve run room.json --method reference --radiosity truth.csv\n"
     "  rro-solve explain room.json\n"
+    "  rro-solve factors room.json --out factors.csv\n"
+    "  rro-solve factors room.json --out factors.json --by material --accuracy 1e-4 --report factors.report.json\n"
     "Exit codes: 0 done, 1 the work failed or the accuracy was not met, 2 wrong usage, 3 bad input, 4 internal error,\n"
     "130 interrupted.";
 
@@ -35,10 +38,20 @@ struct Arguments {
     unsigned threads = 0;
     EffectOverrides overrides;
     bool quiet = false, verbose = false, json = false;
+    std::string by, sides = "front";
+    std::optional<double> threshold;
+    bool close = false;
 };
 
-void declare_shared(CLI::App& command, Arguments& a) {
+void declare_common(CLI::App& command, Arguments& a) {
     command.add_option("scene", a.scene, "Scene manifest")->required()->type_name("SCENE.json");
+    command.add_option("--threads", a.threads, "Threads to use; 0: all cores")->type_name("N");
+    command.add_flag("--quiet,-q", a.quiet, "Print errors only");
+    command.footer(kExamples);
+}
+
+void declare_shared(CLI::App& command, Arguments& a) {
+    declare_common(command, a);
     command.add_option("--with", a.overrides.with, "Effect to switch on although the scene does not call for it")
         ->type_name("EFFECT")
         ->allow_extra_args(false)
@@ -49,10 +62,7 @@ void declare_shared(CLI::App& command, Arguments& a) {
         ->delimiter(',');
     command.add_option("--accuracy", a.accuracy, "Relative error aimed at (default: the manifest's, or 0.02)")
         ->type_name("E");
-    command.add_option("--threads", a.threads, "Threads to use; 0: all cores")->type_name("N");
-    command.add_flag("--quiet,-q", a.quiet, "Print errors only");
     command.add_flag("--verbose,-v", a.verbose, "Print the effect plan and all warnings to stderr");
-    command.footer(kExamples);
 }
 
 void declare_run(CLI::App& run, Arguments& a) {
@@ -76,6 +86,25 @@ Status check_accuracy(const Arguments& a) {
     if (a.accuracy && !(*a.accuracy > 0 && *a.accuracy <= 1))
         return Error{ErrorKind::Usage, "", "--accuracy: expected a relative error above 0 and at most 1", ""};
     return Done{};
+}
+
+void declare_factors(CLI::App& factors, Arguments& a) {
+    declare_common(factors, a);
+    factors.add_option("--out", a.out, "View factors, .csv or .json")->required()->type_name("F.csv|F.json");
+    factors.add_option("--by", a.by, "instance, material or group (default: group if the manifest has any, else instance)")
+        ->type_name("WHAT");
+    factors.add_option("--sides", a.sides, "front, or both sides of two-sided surfaces")
+        ->type_name("SIDES")
+        ->capture_default_str();
+    factors.add_option("--accuracy", a.accuracy,
+                       "Error aimed at: relative above F = 0.01, a hundredth of it absolute below (default: 1e-3)")
+        ->type_name("E");
+    factors.add_option("--threshold", a.threshold, "Write only factors of at least this (default: all, zeros included)")
+        ->type_name("F");
+    factors.add_flag("--close", a.close, "Correct the factors so that rows sum to 1, as little as can be");
+    factors.add_option("--report", a.report, "What was done, as JSON: closure, reciprocity, time")->type_name("FILE.json");
+    factors.add_option("--memory", a.memory, "Most memory to use (default: 8G or ulimit -v)")->type_name("8G");
+    factors.add_flag("--verbose,-v", a.verbose, "Print every row's sum to stderr");
 }
 
 /// The options of `run` as the pipeline takes them.
@@ -226,6 +255,126 @@ int explain(const Arguments& a) {
     return 0;
 }
 
+struct FactorsJob {
+    FactorOptions options;
+    std::uint64_t memory = 0;
+};
+
+Result<FactorsJob> factors_job_of(const Arguments& a) {
+    FactorsJob job;
+    const auto by = a.by.empty() ? Result<GroupBy>(GroupBy::Auto) : parse_group_by(a.by);
+    if (!by) return by.error();
+    const auto sides = parse_sides(a.sides);
+    if (!sides) return sides.error();
+    const auto memory = a.memory.empty() ? Result<std::uint64_t>(default_memory()) : parse_bytes(a.memory);
+    if (!memory) return memory.error();
+    const auto refuse = [](const std::string& message) { return Error{ErrorKind::Usage, "", message, ""}; };
+    if (a.accuracy && !(*a.accuracy > 0 && *a.accuracy <= 1))
+        return refuse("--accuracy: expected a relative error above 0 and at most 1");
+    if (a.threshold && !(*a.threshold >= 0 && *a.threshold <= 1)) return refuse("--threshold: expected a factor, 0 to 1");
+    const std::string ending = a.out.extension().string();
+    if (ending != ".csv" && ending != ".json" && !a.out.string().starts_with("/dev/"))
+        return refuse("--out " + a.out.string() + ": expected a name ending in .csv or .json");
+    job.options.by = *by;
+    job.options.sides = *sides;
+    if (a.accuracy) job.options.accuracy = *a.accuracy;
+    job.memory = *memory;
+    return job;
+}
+
+/// Passes progress on with the time that is left, as the time so far foretells it.
+Progress with_time_left(Progress draw) {
+    if (!draw) return {};
+    struct Phase {
+        std::string name;
+        std::chrono::steady_clock::time_point begun;
+    };
+    return [draw = std::move(draw), at = std::make_shared<Phase>()](std::string_view phase, double done) {
+        if (at->name != phase) *at = {std::string(phase), std::chrono::steady_clock::now()};
+        const double spent = seconds_since(at->begun);
+        if (done < 0.01 || spent < 1) return draw(phase, done);
+        char text[64];
+        std::snprintf(text, sizeof text, ", about %.0f s left,", spent * (1 - done) / done);
+        draw(at->name + text, done);
+    };
+}
+
+void print_closure(std::FILE* to, const Factors& f, const ClosureReport& closure) {
+    std::fprintf(to, "closure          rows differ from 1 by %.3g at most (%s), %.3g on the average\n",
+                 closure.largest_defect, f.names[closure.worst_row].c_str(), closure.mean_defect);
+    std::fprintf(to, "reciprocity      A_i F_ij and A_j F_ji differ by %.3g at most", closure.largest_asymmetry);
+    if (closure.largest_asymmetry > 0)
+        std::fprintf(to, " of the smaller area (%s, %s), %.3g relative where F is above 0.01",
+                     f.names[closure.asymmetric_from].c_str(), f.names[closure.asymmetric_to].c_str(),
+                     closure.largest_relative_asymmetry);
+    std::fputc('\n', to);
+}
+
+void print_counts(const Factors& f, const FactorSeconds& seconds) {
+    const auto count = [](std::uint64_t n) { return static_cast<unsigned long long>(n); };
+    std::printf("%zu groups by %s, %s; %llu polygons, of which %llu can stand between others\n", f.names.size(),
+                std::string(name_of(f.options.by)).c_str(),
+                f.options.sides == Sides::Front ? "fronts" : "both sides", count(f.polygons), count(f.blockers));
+    std::printf("pairs            %llu exact, %llu with shadows cut out, %llu by %llu rays\n", count(f.counts.exact),
+                count(f.counts.cut), count(f.counts.sampled), count(f.counts.rays));
+    std::printf("seconds          %.2f (load %.2f, factors %.2f, output %.2f)\n", seconds.total, seconds.load,
+                seconds.factors, seconds.output);
+}
+
+Status write_factors(const Arguments& a, const Factors& f) {
+    const DeferInterrupts until_written;
+    return a.out.extension() == ".json" ? write_factors_json(f, a.threshold, a.out)
+                                        : write_factors_csv(f, a.threshold, a.out);
+}
+
+int factors(const Arguments& a) {
+    const auto begun = std::chrono::steady_clock::now();
+    const auto job = factors_job_of(a);
+    if (!job) return report_error(kProgram, job.error());
+    const std::array<std::filesystem::path, 2> outputs{a.out, a.report};
+    if (auto writable = check_outputs(outputs, a.scene); !writable) return report_error(kProgram, writable.error());
+    const auto scene = load(a, kGeometry);
+    if (!scene) return report_error(kProgram, scene.error());
+    FactorSeconds seconds;
+    seconds.load = seconds_since(begun);
+    if (const std::uint64_t needed = factors_memory(*scene, job->options.by); needed > job->memory)
+        return report_error(kProgram, failed(a.scene.string(),
+                                             "needs up to " + size_text(needed) + " of memory, " +
+                                                 size_text(job->memory) + " are allowed",
+                                             "allow more with --memory, or join surfaces in groups"));
+    TerminalProgress progress(a.quiet);
+    auto found = view_factors(*scene, job->options, with_time_left(progress.callback()));
+    progress.clear();
+    if (!found) return report_error(kProgram, found.error());
+    const ClosureReport closure = measure_closure(*found);
+    if (!a.quiet) print_closure(stdout, *found, closure);
+    std::optional<Closing> closing;
+    if (a.close) {
+        auto closed = close_rows(*found);
+        if (!closed) return report_error(kProgram, closed.error());
+        closing = std::move(*closed);
+        if (!a.quiet)
+            std::printf("closed           factors moved by %.3g at most (row of %s)\n", closing->largest_move,
+                        found->names[closing->worst_row].c_str());
+    }
+    if (a.verbose)
+        for (std::size_t g = 0; g < found->names.size(); ++g)
+            std::fprintf(stderr, "  %.9f %s%s\n", closure.row_sum[g], found->names[g].c_str(),
+                         closing ? (", moved by " + std::to_string(closing->moved[g])).c_str() : "");
+    if (found->counts.missed > 0)
+        report_warning(kProgram, std::to_string(found->counts.missed) + " of the sampled factors have a standard error above "
+                                 "half the error asked for; the file says which");
+    seconds.factors = seconds_since(begun) - seconds.load;
+    if (auto written = write_factors(a, *found); !written) return report_error(kProgram, written.error());
+    seconds.total = seconds_since(begun);
+    seconds.output = seconds.total - seconds.factors - seconds.load;
+    if (!a.report.empty())
+        if (auto written = write_factors_report(*found, closure, closing, seconds, a.report); !written)
+            return report_error(kProgram, written.error());
+    if (!a.quiet) print_counts(*found, seconds);
+    return 0;
+}
+
 int main_with(int argc, char** argv) {
     Arguments arguments;
     CLI::App app("Solves scenes of reusable radiosity objects.", kProgram);
@@ -237,6 +386,8 @@ int main_with(int argc, char** argv) {
     CLI::App* explain_command = app.add_subcommand("explain", "Tell which effects a scene calls for, why, and what they will cost");
     declare_shared(*explain_command, arguments);
     explain_command->add_flag("--json", arguments.json, "As JSON");
+    CLI::App* factors_command = app.add_subcommand("factors", "View factors between instances, materials or groups");
+    declare_factors(*factors_command, arguments);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
@@ -244,6 +395,7 @@ int main_with(int argc, char** argv) {
         return report_error(kProgram, {ErrorKind::Usage, "", error.what(), "rro-solve --help shows the options"});
     }
     set_thread_count(arguments.threads);
+    if (factors_command->parsed()) return factors(arguments);
     return run_command->parsed() ? run(arguments) : explain(arguments);
 }
 

@@ -94,6 +94,49 @@ cmp high.csv one.csv || fail "--threads changed the result"
 "$compile" build box.obj --out again.rro --threads 1 --quiet
 cmp again.rro library/box.rro || fail "--threads changed an archive"
 
+# View factors: the box seen by a lid over it, exact, all pairs; groups; output by threshold; closing an open scene fails.
+cat > lid.obj <<'END'
+v -1 2 -1
+v 2 2 -1
+v 2 2 2
+v -1 2 2
+usemtl paint
+f 1 2 3 4
+END
+"$compile" build lid.obj --two-sided no --out library/lid.rro --quiet
+cat > factors.json <<'END'
+{ "format": "rro-scene/1", "instances": [ { "name": "box", "archive": "library/box.rro" },
+  { "name": "lid, above", "archive": "library/lid.rro" } ] }
+END
+"$solve" factors factors.json --out factors.csv --report factors.report.json > stdout.txt
+head -1 factors.csv | grep -qx 'from,to,factor,area_from,standard_error' || fail "factors: another head of the CSV"
+[ "$(wc -l < factors.csv)" -eq 5 ] || fail "factors: expected 4 ordered pairs"
+grep -q '^"lid, above","lid, above",0,9,0$' factors.csv || fail "factors: a lid sees itself: $(cat factors.csv)"
+head -1 stdout.txt | grep -q '^closure' || fail "factors: closure must be said first"
+grep -q '"largest_defect"' factors.report.json || fail "factors: no closure in the report"
+"$solve" factors factors.json --out sparse.csv --threshold 0.001 --quiet
+[ "$(wc -l < sparse.csv)" -eq 3 ] || fail "factors: --threshold must leave two pairs"
+"$solve" factors factors.json --out factors.out.json --by material --quiet
+grep -q '"name":"lid, above/paint"' factors.out.json || fail "factors: --by material names instance/material"
+"$source/samples/grey_body.py" factors.csv box=300 "lid, above=300" > heat.txt || fail "grey_body.py"
+status=0
+"$solve" factors factors.json --out output.csv --close > /dev/null 2> stderr.txt || status=$?
+[ "$status" -eq 1 ] || fail "factors --close of an open scene: exit code $status, expected 1"
+for thing in '"rom"' '"box/wood"'; do
+    sed 's|"instances"|"groups": { "all": ['"$thing"'] }, "instances"|' factors.json > bad.json
+    refused "a group's unknown member" "bad.json: /groups/all/0.*" "$solve" factors bad.json --out output.csv
+done
+sed 's|"instances"|"groups": { "all": [] }, "instances"|' factors.json > bad.json
+refused "an empty group" '"all"' "$solve" factors bad.json --out output.csv
+sed 's|"instances"|"groups": { "a": ["box"], "b": ["box/default"] }, "instances"|' factors.json > bad.json
+refused "a surface in two groups" 'box/default' "$solve" factors bad.json --out output.csv
+refused "no groups" 'groups' "$solve" factors factors.json --by group --out output.csv
+for wrong in "--by colour" "--sides back" "--accuracy 0" "--threshold 2" "--out output.txt"; do
+    status=0
+    "$solve" factors factors.json --out output.csv $wrong > /dev/null 2> stderr.txt || status=$?
+    [ "$status" -eq 2 ] || fail "factors $wrong: exit code $status, expected 2"
+done
+
 # Bad input.
 : > empty.obj
 printf 'v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' > nan.obj
