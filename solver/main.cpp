@@ -383,7 +383,8 @@ int main_with(int argc, char** argv) {
     app.footer(kExamples);
     CLI::App* run_command = app.add_subcommand("run", "Solve a scene and write the solution");
     declare_run(*run_command, arguments);
-    CLI::App* explain_command = app.add_subcommand("explain", "Tell which effects a scene calls for, why, and what they will cost");
+    CLI::App* explain_command =
+        app.add_subcommand("explain", "Tell which effects a scene calls for, why, and what they will cost");
     declare_shared(*explain_command, arguments);
     explain_command->add_flag("--json", arguments.json, "As JSON");
     CLI::App* factors_command = app.add_subcommand("factors", "View factors between instances, materials or groups");

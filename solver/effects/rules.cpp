@@ -142,7 +142,8 @@ EffectPlan colour(const Scene& scene) {
 }
 
 EffectPlan sky(const Scene& scene) {
-    if (scene.sky) return {"sky", true, scene.manifest.sky->ground ? "light from above the horizon" : "light from all around"};
+    if (scene.sky)
+        return {"sky", true, scene.sky->has_ground() ? "light from above the horizon" : "light from all around"};
     return {"sky", false, scene.manifest.sky ? "its radiance is 0" : kNotAsked};
 }
 
@@ -152,7 +153,8 @@ EffectPlan sun(const Scene& scene) {
 }
 
 EffectPlan lights(const Scene& scene) {
-    if (scene.lights.empty()) return {"lights", false, scene.manifest.lights.empty() ? kNotAsked : "their intensities are 0"};
+    if (scene.lights.empty())
+        return {"lights", false, scene.manifest.lights.empty() ? kNotAsked : "their intensities are 0"};
     const PointLight& light = scene.lights.front();
     return {"lights", true,
             light.name + ": intensity " + amount(to_float(light.intensity)) + " W/sr" +

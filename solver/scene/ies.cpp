@@ -160,7 +160,8 @@ Result<IesDistribution> parse_ies(std::string_view text, const std::string& name
     const std::size_t verticals = numbers.count("number of vertical angles");
     const std::size_t horizontals = numbers.count("number of horizontal angles");
     const double type = numbers.next("photometric type");
-    if (!numbers.fault() && type != kTypeC) numbers.fail("photometric type", type == 2 ? "2 (B)" : type == 3 ? "3 (A)" : "another", "1 (C)");
+    if (!numbers.fault() && type != kTypeC)
+        numbers.fail("photometric type", type == 2 ? "2 (B)" : type == 3 ? "3 (A)" : "another", "1 (C)");
     for (const char* what : {"units", "width", "length", "height"}) numbers.next(what);
     const double ballast = numbers.at_least(0, kLargestCandela, "ballast factor");
     for (const char* what : {"future use", "input watts"}) numbers.next(what);

@@ -46,6 +46,7 @@ class Sky {
     double density(const Vec3& from) const;
 
     bool dark() const { return !(total_ > 0); }
+    bool has_ground() const { return ground_; }
     bool is_grey() const;
     Sky grey() const;  // every channel the mean of the three
 

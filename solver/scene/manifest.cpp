@@ -139,7 +139,8 @@ Result<SkyEntry> read_sky(const json& value, const std::filesystem::path& folder
                                     " of \"radiance\", \"cie_overcast\" and \"image\", expected one");
     if (value.contains("scale") && !value.contains("image")) return bad_input(where + "/scale", "only an image has a scale");
     sky.ground = value.value("ground", false);
-    for (const auto& [key, radiance] : {std::pair("radiance", &sky.radiance), std::pair("cie_overcast", &sky.cie_overcast)}) {
+    const auto kinds_of_radiance = {std::pair("radiance", &sky.radiance), std::pair("cie_overcast", &sky.cie_overcast)};
+    for (const auto& [key, radiance] : kinds_of_radiance) {
         if (!value.contains(key)) continue;
         const auto read = read_power(value[key], where + "/" + key, "W/(m^2 sr)");
         if (!read) return read.error();
@@ -178,7 +179,8 @@ Status check_light_keys(const json& value, const LightKeys& keys, const std::str
     const std::string type = value["type"].get<std::string>();
     for (const char* key : keys.needed)
         if (!value.contains(key))
-            return bad_input(where, "the key \"" + std::string(key) + "\" is missing, a light of type \"" + type + "\" needs it");
+            return bad_input(where, "the key \"" + std::string(key) + "\" is missing, a light of type \"" + type +
+                                        "\" needs it");
     const auto has = [](const std::vector<const char*>& list, const char* key) {
         return std::any_of(list.begin(), list.end(), [&](const char* k) { return std::string_view(k) == key; });
     };

@@ -79,7 +79,8 @@ bool read_row(Bytes& bytes, std::vector<Rgbe>& row) {
     Rgbe first;
     if (!bytes.pixel(first)) return false;
     const std::size_t width = row.size();
-    const bool by_channel = first[0] == 2 && first[1] == 2 && first[2] < 128 && width >= kLeastRunWidth && width <= kMostRunWidth;
+    const bool by_channel = first[0] == 2 && first[1] == 2 && first[2] < 128 && width >= kLeastRunWidth &&
+                            width <= kMostRunWidth;
     if (!by_channel) return read_plain_row(bytes, row, first);
     if (width != std::size_t{first[2]} * 256 + first[3]) return false;
     for (std::size_t channel = 0; channel < 4; ++channel)
@@ -137,8 +138,8 @@ Result<Header> read_header(std::string_view& bytes, const std::string& name) {
         }
     } while (!line.empty());
     if (!next_line() || !read_size(line, header))
-        return bad_input(name, "has the size \"" + std::string(line.substr(0, 60)) + "\", expected \"-Y height +X width\" with sides of 1 to " +
-                                   std::to_string(kMostSkySide) + " pixels, " + std::to_string(kMostSkyPixels) + " in all");
+        return bad_input(name, "has the size \"" + std::string(line.substr(0, 60)) +
+                                   "\", expected \"-Y height +X width\" with sides of 1 to " + std::to_string(kMostSkySide) + " pixels, " + std::to_string(kMostSkyPixels) + " in all");
     return header;
 }
 

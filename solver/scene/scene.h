@@ -80,8 +80,8 @@ struct Scene {
 ///
 /// wanted   what will be used of the archives; the rest is not unpacked
 /// errors   BadInput naming manifest, instance and archive: missing or refused archive, one without the tables that are
-///          wanted, wrong content, a material the archive lacks (lists those there are), a transmittance on one-sided triangles or
-///          one that exceeds 1 with the reflectance; a picture of the sky or a photometric file that cannot be used
+///          wanted, wrong content, a material the archive lacks (lists those there are), a transmittance on one-sided
+///          triangles or one that exceeds 1 with the reflectance; a picture of the sky or a photometric file that cannot be used
 Result<Scene> open_scene(Manifest manifest, SectionSet wanted = kGeometry | kTables | Section::Source);
 
 }  // namespace rro

@@ -21,8 +21,8 @@ struct ReferenceOptions {
 /// sky and sun, which are infinitely far. Light groups are summed. Random streams are keyed by instance name, face and
 /// sample, so the result does not depend on the number of threads.
 ///
-/// returns  radiosity, irradiance and standard error per face; estimated_error is the relative standard error reached. What sky, sun
-///          and lights emit is counted where it arrives at faces; what a medium takes is absorbed
+/// returns  radiosity, irradiance and standard error per face; estimated_error is the relative standard error reached. What
+///          sky, sun and lights emit is counted where it arrives at faces; what a medium takes is absorbed
 Result<Solution> solve_reference(const Scene& scene, const ReferenceOptions& options, const Progress& progress = {});
 
 }  // namespace rro
