@@ -15,23 +15,12 @@
 #include <time.h>
 
 #include "format/parallel.h"
-#include "format/sample_points.h"
-#include "solver/visibility/visibility.h"
-#include "tests/support/scenes.h"
+#include "tests/support/shafts.h"
 
 using namespace rro;
+using namespace rro::test;
 
 namespace {
-
-double uniform(std::uint64_t& state) {
-    state = mix64(state);
-    return static_cast<double>(state >> 11) * 0x1p-53;
-}
-
-Vec3 random_direction(std::uint64_t& state) {
-    const double z = 2 * uniform(state) - 1, angle = 2 * std::numbers::pi * uniform(state), r = std::sqrt(1 - z * z);
-    return {r * std::cos(angle), r * std::sin(angle), z};
-}
 
 Affine3 rotation(const Vec3& axis, double angle) {
     const Vec3 u = normalised(axis);
@@ -62,33 +51,6 @@ struct Ball {
 Ball ball_of(const Object& object) {
     const ObjectData& d = object.data();
     return {d.origin + to_double(d.atlas_centre), double(d.atlas_radius)};
-}
-
-/// A parallelogram as an end.
-struct Panel {
-    Vec3 centre, side, other;
-};
-
-Shaft shaft_between(const Panel& a, const Panel& b, std::uint64_t seed) {
-    Shaft s;
-    s.a = parallelogram_end(a.centre, a.side, a.other);
-    s.b = parallelogram_end(b.centre, b.side, b.other);
-    s.seed = seed;
-    s.segment = [a, b](const std::array<float, 4>& u) {
-        const auto at = [](const Panel& p, float x, float y) {
-            return p.centre + p.side * (double(x) - 0.5) + p.other * (double(y) - 0.5);
-        };
-        return Segment{at(a, u[0], u[1]), at(b, u[2], u[3]), {}, {}};
-    };
-    return s;
-}
-
-Demand fixed(std::uint32_t rays, LinePoints points = LinePoints::Sobol) {
-    Demand d;
-    d.rule = StopRule::Fixed;
-    d.most = rays;
-    d.points = points;
-    return d;
 }
 
 Demand adaptive(StopRule rule, double deviation, LinePoints points = LinePoints::Sobol, std::uint32_t first = 16) {
@@ -159,7 +121,7 @@ struct Experiment {
         double lo = 0.5, hi = 50;
         for (int k = 0; k < 20; ++k) {
             const double side = std::sqrt(lo * hi);
-            (rms(estimate(side, VisibilityMethod::Rays, fixed(64), false, 1).values) < wanted_rms ? lo : hi) = side;
+            (rms(estimate(side, VisibilityMethod::Rays, fixed_rays(64), false, 1).values) < wanted_rms ? lo : hi) = side;
         }
         return std::sqrt(lo * hi);
     }
@@ -178,7 +140,7 @@ Experiment make_experiment(const std::string& folder, const std::string& name, s
     const Vec3 foot = object.data().meta.bounds.lo;
     constexpr double kGap = 1e-3;
     place.translation = {-ball.centre.x * scale, kGap - foot.y * scale, -ball.centre.z * scale};
-    test::add_instance(e.scene, object, place, {}, {});
+    add_instance(e.scene, object, place, {}, {});
     e.rays = std::make_unique<SceneRays>(e.scene);
     e.light = {{0.5, place.point(ball.centre).y + 3, 0.3}, {0.8, 0, 0}, {0, 0, 0.8}};
     for (std::uint32_t i = 0; i < n * n; ++i) {
@@ -202,7 +164,7 @@ void print_experiment(const Experiment& e, const char* name, double paper_rms_vi
     constexpr int kRepetitions = 20;
     constexpr std::uint32_t kTruthRays = 16384;
     const double side = e.side_for(paper_rms_visibility);
-    const Visibilities truth = e.estimate(side, VisibilityMethod::Rays, fixed(kTruthRays), false, 99).values;
+    const Visibilities truth = e.estimate(side, VisibilityMethod::Rays, fixed_rays(kTruthRays), false, 99).values;
     std::printf("\n%s, N = %u: rms visibility %.3f (the paper's: %.3f), floor %.2f m, %d repetitions\n\n", name, e.n, rms(truth),
                 paper_rms_visibility, side, kRepetitions);
     std::printf("| method | rays | rays per pair | RMS, 256 random rays as reference | SNR | RMS, truth | SNR | largest error |\n");
@@ -210,14 +172,14 @@ void print_experiment(const Experiment& e, const char* name, double paper_rms_vi
     constexpr auto kRandom = LinePoints::Independent, kSobol = LinePoints::Sobol;
     constexpr auto kRays = VisibilityMethod::Rays, kAuto = VisibilityMethod::Auto;
     const std::vector<PaperRow> rows{
-        {"fixed 16", kRays, fixed(16, kRandom), false},
-        {"fixed 64", kRays, fixed(64, kRandom), false},
-        {"fixed 81", kRays, fixed(81, kRandom), false},
-        {"fixed 144", kRays, fixed(144, kRandom), false},
+        {"fixed 16", kRays, fixed_rays(16, kRandom), false},
+        {"fixed 64", kRays, fixed_rays(64, kRandom), false},
+        {"fixed 81", kRays, fixed_rays(81, kRandom), false},
+        {"fixed 144", kRays, fixed_rays(144, kRandom), false},
         {"adaptive, paper's rule, 0.04", kRays, adaptive(StopRule::Paper, 0.04, kRandom), false},
-        {"Sobol, fixed 16", kRays, fixed(16), false},
-        {"Sobol, fixed 64", kRays, fixed(64), false},
-        {"Sobol, fixed 144", kRays, fixed(144), false},
+        {"Sobol, fixed 16", kRays, fixed_rays(16), false},
+        {"Sobol, fixed 64", kRays, fixed_rays(64), false},
+        {"Sobol, fixed 144", kRays, fixed_rays(144), false},
         {"Sobol, paper's rule, 0.045", kRays, adaptive(StopRule::Paper, 0.045, kSobol), false},
         {"Sobol, Laplace, 0.05", kRays, adaptive(StopRule::Laplace, 0.05, kSobol), false},
         {"Sobol, neighbours, 0.05", kRays, adaptive(StopRule::Paper, 0.05, kSobol), true},
@@ -230,7 +192,7 @@ void print_experiment(const Experiment& e, const char* name, double paper_rms_vi
         double noisy2 = 0, true2 = 0, rays = 0, worst = 0;
         for (int k = 0; k < kRepetitions; ++k) {
             const auto seed = mix64(1000 + static_cast<std::uint64_t>(k));
-            const Visibilities reference = e.estimate(side, kRays, fixed(256, kRandom), false, mix64(seed)).values;
+            const Visibilities reference = e.estimate(side, kRays, fixed_rays(256, kRandom), false, mix64(seed)).values;
             const auto got = e.estimate(side, row.method, row.demand, row.by_neighbours, seed);
             noisy2 += std::pow(rms_difference(got.values, reference), 2) / kRepetitions;
             true2 += std::pow(rms_difference(got.values, truth), 2) / kRepetitions;
@@ -265,7 +227,7 @@ constexpr std::uint32_t kTruthRays = 2048;
 double true_visibility(const Trial& t, const Shaft& shaft) {
     Shaft other = shaft;
     other.seed = mix64(shaft.seed ^ 0x7275746855ull);
-    return Visibility(*t.scene, *t.rays, VisibilityMethod::Rays).transmittance(other, fixed(kTruthRays)).mean;
+    return Visibility(*t.scene, *t.rays, VisibilityMethod::Rays).transmittance(other, fixed_rays(kTruthRays)).mean;
 }
 
 Panel facing(const Vec3& centre, const Vec3& normal, double side, std::uint64_t& state) {
@@ -282,7 +244,7 @@ Trial one_object(const std::string& folder, const std::string& name, double widt
     t.scene = std::make_shared<Scene>();
     t.scene->objects.push_back(load(folder, name));
     const Object& object = *t.scene->objects.back();
-    test::add_instance(*t.scene, object, Affine3{}, {}, {});
+    add_instance(*t.scene, object, Affine3{}, {}, {});
     t.rays = std::make_shared<SceneRays>(*t.scene);
     const Ball ball = ball_of(object);
     std::uint64_t state = 7;
@@ -327,7 +289,7 @@ Trial crowd(const std::string& folder, std::size_t instances, double width, std:
         const Vec3 at{box * uniform(state), box * uniform(state), box * uniform(state)};
         place.translation = at - place.linear * ball.centre;
         places.push_back({at, 1});
-        test::add_instance(*t.scene, object, place, {}, {});
+        add_instance(*t.scene, object, place, {}, {});
     }
     t.rays = std::make_shared<SceneRays>(*t.scene);
     while (t.shafts.size() < count) {
@@ -414,20 +376,20 @@ void methods(const std::string& folder) {
     paper.intrinsic = false;
     coarse.tolerance = 0.1;
     const std::vector<Method> all{
-        {"rays 16", Rays, fixed(16)},
-        {"rays 36", Rays, fixed(36)},
-        {"rays 64", Rays, fixed(64)},
-        {"rays 144", Rays, fixed(144)},
+        {"rays 16", Rays, fixed_rays(16)},
+        {"rays 36", Rays, fixed_rays(36)},
+        {"rays 64", Rays, fixed_rays(64)},
+        {"rays 144", Rays, fixed_rays(144)},
         {"rays, Laplace 0.05", Rays, adaptive(StopRule::Laplace, 0.05)},
         {"rays, Laplace 0.03", Rays, adaptive(StopRule::Laplace, 0.03)},
-        {"tables 0.01, 36 lines", Tables, fixed(36)},
-        {"tables 0.01, whole object", Tables, fixed(36), paper},
-        {"tables 0.1, 36 lines", Tables, fixed(36), coarse},
-        {"tables 0.01, dice", Tables, fixed(36), dice},
-        {"atlas, else rays 36", Atlas, fixed(36)},
+        {"tables 0.01, 36 lines", Tables, fixed_rays(36)},
+        {"tables 0.01, whole object", Tables, fixed_rays(36), paper},
+        {"tables 0.1, 36 lines", Tables, fixed_rays(36), coarse},
+        {"tables 0.01, dice", Tables, fixed_rays(36), dice},
+        {"atlas, else rays 36", Atlas, fixed_rays(36)},
         {"auto, Laplace 0.05", Auto, adaptive(StopRule::Laplace, 0.05)},
         {"auto, Laplace 0.03", Auto, adaptive(StopRule::Laplace, 0.03)},
-        {"none", None, fixed(1)},
+        {"none", None, fixed_rays(1)},
     };
     std::printf("Cells: root mean square error of mean visibility (the method's own estimate), bias, processor time per link, rays per link,\n"
                 "share of links without rays.\n");
