@@ -33,8 +33,9 @@ Error usage(std::string message) {
 /// The reference knows nothing but the whole truth.
 Status check_reference_options(const SolveOptions& options) {
     if (options.transport) return usage("--transport is for --method reusable; the reference follows single paths of light");
-    if (options.visibility != VisibilityMethod::Auto && options.visibility != VisibilityMethod::Rays)
-        return usage("--visibility atlas, tables and none are for --method reusable; the reference always traces rays");
+    for (const char* method : {"none", "atlas", "tables"})
+        if (options.visibility == *parse_visibility(method))
+            return usage(std::string("--visibility ") + method + " is for --method reusable; the reference always traces rays");
     for (const char* effect : {"interreflection", "occlusion", "self"})
         if (std::find(options.overrides.without.begin(), options.overrides.without.end(), effect) !=
             options.overrides.without.end())

@@ -27,15 +27,18 @@ double largest_coordinate(const Box3& b) {
 /// The side of an end that its lines leave to, in another frame.
 struct Front {
     Vec3 normal;
-    double height = 0;
+    double height, scale;
 
     Front(const ShaftEnd& end, const Affine3& to_world)
-        : normal(to_world.linear.transposed() * end.front), height(end.height - dot(end.front, to_world.translation)) {}
+        : normal(to_world.linear.transposed() * end.front),
+          height(end.height - dot(end.front, to_world.translation)),
+          scale(length(normal)) {}
 
     bool hides(const Box3& box, double slack) const {
+        if (scale == 0) return false;
         const double top = normal.x * (normal.x > 0 ? box.hi.x : box.lo.x) + normal.y * (normal.y > 0 ? box.hi.y : box.lo.y) +
                            normal.z * (normal.z > 0 ? box.hi.z : box.lo.z);
-        return length2(normal) > 0 && top <= height + slack * length(normal);
+        return top <= height + slack * scale;
     }
 };
 

@@ -22,7 +22,7 @@ constexpr double kClearEdge = 4;
 constexpr double kProbabilityBias = 0.35;
 
 // Rays that agree beside a shadow's edge: after so many it is believed to end between the shafts.
-constexpr std::uint32_t kConvincingRays = 36;
+constexpr std::uint32_t kConvincingRays = 25;
 
 double gain(const Demand& demand) { return demand.points == LinePoints::Sobol ? kSobolGain : 1.0; }
 

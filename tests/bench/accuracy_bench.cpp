@@ -150,7 +150,7 @@ void print_row(const char* asked, const Scene& scene, const Solution& s, const S
     const double links = double(s.links.total());
     std::printf("%-8s %-8.4f %-9.4f %-10.2f %+-9.4f %-9.2f %-8.2f %-8.2f %-10.0f %-10.1f %-10llu %s %.3f\n", asked, all.error(),
                 s.estimated_error, all.error() > 0 ? s.estimated_error / all.error() : 0.0,
-                all.reflected > 0 ? all.bias / all.reflected : 0.0, seconds, s.seconds.links, s.seconds.iterate, links,
+                all.reflected > 0 ? all.bias / all.reflected : 0.0, seconds, s.seconds.links + s.seconds.visibility, s.seconds.iterate, links,
                 links > 0 ? double(s.links.bytes) / links : 0.0, static_cast<unsigned long long>(s.rays), name.c_str(), worst);
 }
 

@@ -51,7 +51,7 @@ if os.path.exists(last_path):
     slope = "%.2f" % (math.log(processor / s) / math.log(instances / n))
 open(last_path, "w").write("%d %f" % (instances, processor))
 print("| %s | %d | %d | %d | %d | %d | %.1f | %.1f | %.1f | %.1f | %.1f | %.2f | %.3f | %s |" % (
-    count, instances, report["triangles"], links, links / instances, report["rays"], seconds["load"], seconds["links"],
+    count, instances, report["triangles"], links, links / instances, report["rays"], seconds["load"], seconds["links"] + seconds["visibility"],
     seconds["iterate"], seconds["total"], processor, report["memory_peak_bytes"] / 2**30, report["estimated_error"],
     slope))
 PYTHON

@@ -74,8 +74,11 @@ print("|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|")
 for count in sys.argv[3:]:
     runs = [json.load(open(f"{sys.argv[1]}/report_{count}_{k}.json")) for k in range(1, int(sys.argv[2]) + 1)]
     r = runs[0]
-    links, iterate, load = (statistics.median(run["seconds"][phase] for run in runs) for phase in ("links", "iterate", "load"))
-    both = statistics.median(run["seconds"]["links"] + run["seconds"]["iterate"] for run in runs)
+    def median(*phases):
+        return statistics.median(sum(run["seconds"][phase] for phase in phases) for run in runs)
+
+    links, iterate, load = median("links", "visibility"), median("iterate"), median("load")
+    both = median("links", "visibility", "iterate")
     print(f"| {int(count):,} | {r['triangles']:,} | {r['links']['total']:,} | {r['elements']:,} | {r['rays']:,} | {links:.2f} | {iterate:.2f} "
           f"| {both:.2f} | {load:.2f} | {r['estimated_error']:.3f}{'' if r['converged'] else ' (above)'} | {r['memory_peak_bytes'] / 1e6:.0f} |")
 PY

@@ -136,6 +136,13 @@ for wrong in "--by colour" "--sides back" "--accuracy 0" "--threshold 2" "--out 
     "$solve" factors factors.json --out output.csv $wrong > /dev/null 2> stderr.txt || status=$?
     [ "$status" -eq 2 ] || fail "factors $wrong: exit code $status, expected 2"
 done
+# Every way of finding what stands between, the same bits for any number of threads.
+for how in rays atlas tables none; do
+    "$solve" run scene.json --visibility $how --radiosity $how.csv --quiet
+    "$solve" run scene.json --visibility $how --radiosity one.csv --threads 1 --quiet
+    cmp $how.csv one.csv || fail "--visibility $how: --threads changed the result"
+done
+cmp high.csv rays.csv || fail "--visibility auto is rays"
 
 # Bad input.
 : > empty.obj
@@ -161,4 +168,11 @@ refused "missing archive" "none.rro" "$solve" run bad.json --radiosity output.cs
 head -c 1000 library/lamp.rro > library/cut.rro
 sed 's/lamp.rro/cut.rro/' scene.json > bad.json
 refused "truncated archive" "cut.rro" "$solve" run bad.json --radiosity output.csv
+"$compile" build box.obj --out library/bare.rro --tables area,visibility --quiet
+sed 's/box.rro/bare.rro/' scene.json > bad.json
+"$solve" run bad.json --radiosity bare.csv --quiet
+for how in atlas tables; do
+    refused "no section for --visibility $how" "visibility $how needs" "$solve" run bad.json --visibility $how --radiosity output.csv
+    grep -q -e "--tables default" stderr.txt || fail "--visibility $how: no hint: $(cat stderr.txt)"
+done
 echo "all of programs.sh passed"

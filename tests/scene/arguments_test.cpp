@@ -45,14 +45,14 @@ TEST_CASE("transports by name", "[arguments]") {
           "--transport fancy: no such transport, expected directional or plain");
 }
 
-TEST_CASE("methods and visibilities that are not built are named as such", "[arguments]") {
+TEST_CASE("methods and visibilities by name; those that are not built are named as such", "[arguments]") {
     CHECK(*parse_method("reference") == Method::Reference);
     CHECK(parse_method("hierarchical").error().message ==
           "--method hierarchical: not supported by this version, expected reusable or reference");
     CHECK(parse_method("magic").error().kind == ErrorKind::Usage);
-    CHECK(*parse_visibility("none") == TransportOptions::Visibility::None);
-    for (const char* absent : {"atlas", "tables"})
-        CHECK_THAT(parse_visibility(absent).error().message,
-                   Contains("not supported by this version, expected auto, rays or none"));
+    CHECK(*parse_visibility("none") == VisibilityMethod::None);
+    CHECK(*parse_visibility("atlas") == VisibilityMethod::Atlas);
+    CHECK(*parse_visibility("tables") == VisibilityMethod::Tables);
     CHECK(parse_visibility("x").error().kind == ErrorKind::Usage);
+    CHECK(parse_visibility("x").error().message == "--visibility x: no such visibility, expected auto, atlas, tables, rays or none");
 }

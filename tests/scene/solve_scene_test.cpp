@@ -86,7 +86,7 @@ TEST_CASE("options that the method does not know are wrong usage", "[solve_scene
     samples.samples = 4;
     CHECK_THAT(message(samples), Contains("--samples is for --method reference"));
     SolveOptions blind{.method = Method::Reference, .accuracy = {}, .overrides = {}};
-    blind.visibility = TransportOptions::Visibility::None;
+    blind.visibility = VisibilityMethod::None;
     CHECK_THAT(message(blind), Contains("--visibility none is for --method reusable"));
     SolveOptions parts{.method = Method::Reference, .accuracy = {}, .overrides = {}};
     parts.overrides.without = {"occlusion"};
