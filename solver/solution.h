@@ -44,6 +44,7 @@ struct EffectPlan {
 /// Wall time of each phase; they do not overlap. Visibility is part of making links, and takes its share of the threads' time.
 struct PhaseSeconds {
     double load = 0, plan = 0, links = 0, visibility = 0, iterate = 0, output = 0, total = 0;
+    double outside = 0;  // part of visibility: sky, sun and lamps
 };
 
 struct LinkCounts {

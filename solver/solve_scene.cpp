@@ -43,11 +43,11 @@ Status check_reference_options(const SolveOptions& options) {
     return Done{};
 }
 
-Status check_reusable_options(const Plan& plan, const SolveOptions& options) {
+Status check_reusable_options(const Scene& scene, const Plan& plan, const SolveOptions& options) {
     if (options.samples > 0)
         return usage("--samples is for --method reference; the reusable method takes what --accuracy needs");
-    if (const auto lacking = reference_only(plan); !lacking.empty())
-        return Error{ErrorKind::Usage, "", lacking[0] + ": --method reusable does not support it in this version",
+    if (const auto lacking = reference_only(scene, plan); !lacking.empty())
+        return Error{ErrorKind::Usage, "", lacking[0] + ": --method reusable does not support one that absorbs some colours more than others in this version",
                      "use --method reference, or leave it out with --without " + lacking[0]};
     return Done{};
 }
@@ -119,7 +119,7 @@ Result<Solution> solve_scene(const Scene& scene, const SolveOptions& options, co
     if (options.method == Method::Reference)
         if (auto fits = check_reference_options(options); !fits) return fits.error();
     if (options.method == Method::Reusable)
-        if (auto fits = check_reusable_options(*plan, options); !fits) return fits.error();
+        if (auto fits = check_reusable_options(scene, *plan, options); !fits) return fits.error();
     const double plan_seconds = seconds_since(start);
 
     const double accuracy = accuracy_of(scene, options.accuracy);
@@ -141,10 +141,10 @@ double accuracy_of(const Scene& scene, std::optional<double> asked) {
     return asked.value_or(scene.manifest.accuracy.value_or(kDefaultAccuracy));
 }
 
-std::vector<std::string> reference_only(const Plan& plan) {
+std::vector<std::string> reference_only(const Scene& scene, const Plan& plan) {
     std::vector<std::string> effects;
-    for (const char* effect : {"sky", "sun", "lights", "transmission", "medium"})
-        if (plan.on(effect)) effects.push_back(effect);
+    const Vec3 absorption = scene.medium ? scene.medium->absorption : Vec3{};
+    if (plan.on("medium") && !(absorption.x == absorption.y && absorption.y == absorption.z)) effects.push_back("medium");
     return effects;
 }
 

@@ -50,7 +50,7 @@ double accuracy_of(const Scene& scene, std::optional<double> asked);
 
 /// The effects of a plan that only --method reference has in this version. (Light groups are not among them: the reusable
 /// method solves for their sum.)
-std::vector<std::string> reference_only(const Plan& plan);
+std::vector<std::string> reference_only(const Scene& scene, const Plan& plan);
 
 /// Did the solve do what it was asked? The accuracy was met, or the samples asked for were taken.
 bool work_done(const Solution& solution, const SolveOptions& options);

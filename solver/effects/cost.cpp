@@ -109,10 +109,14 @@ void account_seconds(Solution& solution) {
     const auto total = static_cast<double>(solution.links.total());
     const double inside = total > 0 ? static_cast<double>(solution.links.self) / total : 0;
     const std::string carries = carrier(solution.effects);
+    const auto is_outside = [](const EffectPlan& e) { return e.name == "sky" || e.name == "sun" || e.name == "lights"; };
+    const auto outside = std::count_if(solution.effects.begin(), solution.effects.end(),
+                                       [&](const EffectPlan& e) { return e.on && is_outside(e); });
     for (EffectPlan& effect : solution.effects) {
+        if (effect.on && is_outside(effect)) effect.seconds = solution.seconds.outside / static_cast<double>(outside);
         if (effect.name == carries) effect.seconds = solution.seconds.iterate + (1 - inside) * solution.seconds.links;
         if (effect.name == "self") effect.seconds = inside * solution.seconds.links;
-        if (effect.name == "occlusion") effect.seconds = solution.seconds.visibility;
+        if (effect.name == "occlusion") effect.seconds = solution.seconds.visibility - solution.seconds.outside;
     }
 }
 

@@ -15,7 +15,8 @@ namespace rro {
 Work predict_work(const Scene& scene, double accuracy, unsigned threads, Plan& plan);
 
 /// Fills `seconds` of the effects after a solve by the reusable method: what was spent on the plan's links is divided by
-/// their number, sweeps belong to interreflection (or emitters), visibility to occlusion.
+/// their number, sweeps belong to interreflection (or emitters), visibility to occlusion, rays to sky, sun and lamps to
+/// those that are on, in equal parts.
 void account_seconds(Solution& solution);
 
 }  // namespace rro

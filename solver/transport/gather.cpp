@@ -29,6 +29,16 @@ bool scalar_half(const Node& receiver, EndMode receiver_mode, const Node& source
 template <int C>
 LightField<C>::LightField(const Nodes& nodes, const EndAreas& areas)
     : nodes_(nodes), areas_(areas), bins_(nodes, areas), groups_(nodes, areas) {
+    for (std::uint32_t i = 0; i < nodes.scene().instances.size(); ++i) {
+        const Instance& instance = nodes.scene().instances[i];
+        std::vector<std::uint32_t>& others = other_side_.emplace_back();
+        if (instance.transmittance.empty()) continue;
+        for (const Face f : instance.data().faces) {
+            const auto& side = f.side() == Side::Front ? instance.object->back_face : instance.object->front_face;
+            const std::uint32_t other = side[f.triangle()];
+            others.push_back(other == kNoFace ? kNoNode : nodes.instance(i).first_face + other);
+        }
+    }
     grow();
 }
 
@@ -36,6 +46,12 @@ template <int C>
 float LightField<C>::reflectance(std::uint32_t surface, std::size_t c) const {
     const Node& n = nodes_[surface];
     return component<C>(nodes_.scene().instances[n.instance].reflectance[nodes_.patch_of(n)], c);
+}
+
+template <int C>
+float LightField<C>::transmittance(std::uint32_t surface, std::size_t c) const {
+    const Node& n = nodes_[surface];
+    return component<C>(nodes_.scene().instances[n.instance].transmittance_of(nodes_.patch_of(n)), c);
 }
 
 template <int C>
@@ -61,6 +77,44 @@ void LightField<C>::grow() {
     if (before > 0) return;
     for (std::uint32_t i = 0; i < nodes_.scene().instances.size(); ++i) pull_instance(i);
     pull_groups();
+}
+
+template <int C>
+float LightField<C>::sources(std::uint32_t surface, std::size_t c) const {
+    const float emitted = exitance(surface, c);
+    return outside_.empty() ? emitted : emitted + reflectance(surface, c) * component<C>(outside_[surface], c);
+}
+
+template <int C>
+void LightField<C>::begin() {
+    for (std::uint32_t i = 0; i < nodes_.scene().instances.size(); ++i) {
+        for_each_leaf(i, [&](std::uint32_t id) {
+            for (std::size_t c = 0; c < C; ++c) {
+                radiosity_[id * C + c] = sources(id, c);
+                irradiance_[id * C + c] = outside_.empty() ? 0 : component<C>(outside_[id], c);
+            }
+        });
+        pull_instance(i);
+        if (!other_side_[i].empty()) transmit(i), pull_instance(i);
+    }
+    pull_groups();
+}
+
+// Diffuse transmittance: what one side of a face receives, the other sends on, too. Both may be divided into elements of
+// their own; the other side's mean serves all of them.
+template <int C>
+void LightField<C>::transmit(std::uint32_t i) {
+    const InstanceNodes& in = nodes_.instance(i);
+    const Instance& instance = nodes_.scene().instances[i];
+    const auto add = [&](std::uint32_t id, std::uint32_t face) {
+        const std::uint32_t other = other_side_[i][face];
+        if (other == kNoNode || !leaf(id)) return;
+        const Rgb through = instance.transmittance_of(instance.object->patch_of_face[face]);
+        for (std::size_t c = 0; c < C; ++c)
+            radiosity_[id * C + c] += component<C>(through, c) * irradiance_[other * C + c];
+    };
+    for (std::uint32_t f = 0; f < other_side_[i].size(); ++f) add(in.first_face + f, f);
+    for (const std::uint32_t id : in.elements) add(id, nodes_.face_of(nodes_[id]));
 }
 
 template <int C>
@@ -354,6 +408,7 @@ double LightField<C>::sweep() {
             for (std::size_t c = 0; c < C; ++c) {
                 float& e = irradiance_[id * C + c];
                 if (!row_scale_.empty()) e *= row_scale_[id];
+                if (!outside_.empty()) e += component<C>(outside_[id], c);
                 if (e < std::numeric_limits<float>::min()) e = 0;  // denormals are noise, and slow
                 // In reflected light, not in radiosity: beside a strong exitance float would round it away.
                 const double d = double(reflectance(id, c)) * (double(e) - double(before_[id * C + c]));
@@ -362,6 +417,7 @@ double LightField<C>::sweep() {
             }
         });
         pull_instance(i);
+        if (!other_side_[i].empty()) transmit(i), pull_instance(i);
     });
     pull_groups();
     double sum = 0, total = 0;
@@ -399,7 +455,8 @@ void LightField<C>::fill(Guide& guide) const {
         const Node& n = nodes_[static_cast<std::uint32_t>(id)];
         if (n.kind != NodeKind::Surface) continue;
         float rho = 0;
-        for (std::size_t c = 0; c < C; ++c) rho += reflectance(static_cast<std::uint32_t>(id), c);
+        for (std::size_t c = 0; c < C; ++c)
+            rho += reflectance(static_cast<std::uint32_t>(id), c) + transmittance(static_cast<std::uint32_t>(id), c);
         guide.reflectance[id] = rho / C;
         guide.irradiance[id] = grey(irradiance_, id);
     }

@@ -21,6 +21,12 @@ class LightField {
     /// Back to emitted light alone.
     void extinguish();
 
+    /// What leaves receive straight from sky, sun and lamps: a source of every sweep. [nodes]; empty: nothing
+    void set_outside(const std::vector<Rgb>& irradiance) { outside_ = irradiance; }
+
+    /// The light before any sweep: what is emitted, and the light from outside reflected once.
+    void begin();
+
     /// Prepares the sweeps over these links.
     void set_links(const std::vector<Link>& links);
 
@@ -48,6 +54,7 @@ class LightField {
     const std::vector<float>& irradiance() const { return irradiance_; }  // [nodes * C], surfaces only
     std::uint64_t bytes() const;
     float reflectance(std::uint32_t surface, std::size_t channel) const;
+    float transmittance(std::uint32_t surface, std::size_t channel) const;
     float exitance(std::uint32_t surface, std::size_t channel) const;
 
   private:
@@ -76,11 +83,16 @@ class LightField {
     template <class F>
     void for_each_leaf(std::uint32_t i, const F& f) const;
 
+    void transmit(std::uint32_t i);  // adds to radiosity what comes through from the other side
+    float sources(std::uint32_t surface, std::size_t channel) const;
+
     const Nodes& nodes_;
     const EndAreas& areas_;
     DirectionBins<C> bins_;
     GroupBins<C> groups_;
     std::vector<float> radiosity_, irradiance_;      // [nodes * C]
+    std::vector<Rgb> outside_;                       // [nodes] leaves' irradiance from sky, sun and lamps, or empty
+    std::vector<std::vector<std::uint32_t>> other_side_;  // [instances][faces] node of the other side; empty: nothing passes
     std::vector<float> before_;                      // [nodes * C] irradiance of the last sweep
     std::vector<float> inherited_;                   // [nodes * C] what faces receive through nodes above them
     std::vector<float> inherited_scale_;             // [nodes] surfaces; empty: all 1

@@ -51,6 +51,9 @@ constexpr double kAlike = 2;
 constexpr double kShadowWithinFace = 0.12;
 // A pair whose whole light would do this part of a link's harm is taken as it is.
 constexpr double kNegligible = 0.25;
+// Root mean square of distances between two ends about the one between their centres, as a part of the sum of their radii;
+// and the part of what a medium makes of that which the mean over the ends does not cancel.
+constexpr double kAlong = 0.35, kWithinMedium = 0.5;
 // Tables that do this part of a link's harm are good enough; where they are not, rays find what they would have told.
 constexpr double kAffordable = 0.5;
 // What rays may leave undecided, as a part of a link's harm.
@@ -111,6 +114,7 @@ LinkBuilder::LinkBuilder(const Nodes& nodes, const EndAreas& areas, const SceneR
         area += nodes[nodes.root(i)].area;
     }
     smallest_area_ = kSmallestElementShare * area;
+    if (const auto& medium = nodes.scene().medium) medium_ = medium->absorption.x;
     for (const Group& group : nodes.groups().groups) {
         std::uint64_t key = 0;  // a sum, so that the order of the members does not matter
         for (std::uint32_t m = group.first; m < group.first + group.count; ++m)
@@ -583,6 +587,16 @@ Verdict LinkBuilder::settle(const Offer& o, const Guide& guide) const {
         if (v.action != Verdict::Action::Accept) return v;
     }
     v.action = Verdict::Action::Accept;
+    if (medium_ > 0) {
+        // Absorbed over the distance between the centres; the rest of the ends lies nearer or farther.
+        const double extinct = medium_ * length(nb.centre - na.centre), spread = medium_ * double(na.radius + nb.radius) * kAlong;
+        t.mean *= std::exp(-extinct);
+        const double uneven = o.exchange * t.mean * std::min(1.0, spread);
+        if (!o.negligible && o.a != o.b && harm_of(guide, o, uneven * kWithinMedium, uneven * kWithinMedium) > 1) {
+            const Verdict divided = split(o.a, o.b, na.radius >= nb.radius);
+            if (divided.action != Verdict::Action::Accept) return divided;
+        }
+    }
     Link& l = v.link;
     l.a = o.a;
     l.b = o.b;

@@ -86,6 +86,9 @@ class LinkBuilder {
     /// Can a node be divided further?
     bool divisible(const Node& node) const;
 
+    /// Names a node for its random numbers, wherever its instance stands in the manifest.
+    std::uint64_t sample_key(std::uint32_t node) const;
+
   private:
     Verdict judge_by_geometry(std::uint32_t a, std::uint32_t b, const Guide& guide, double own) const;
     /// A pair that is one of the archive's, so that its exchange area is known.
@@ -113,8 +116,6 @@ class LinkBuilder {
     };
     Quadrature by_points(std::uint32_t a, std::uint32_t b) const;
 
-    /// Names a node for the random numbers of its pairs, wherever its instance stands in the manifest.
-    std::uint64_t sample_key(std::uint32_t node) const;
     /// A surface's share in the error that a shadow edge across it makes.
     double shadow_share(const Node& n) const;
 
@@ -161,6 +162,7 @@ class LinkBuilder {
     std::vector<std::uint64_t> group_key_;     // from its members' names
     std::vector<double> group_table_error_;    // relative, of the projected area
     double smallest_area_ = 0;                 // of an element, m^2
+    double medium_ = 0;                        // absorption, 1/m; the same in all channels
 };
 
 }  // namespace rro

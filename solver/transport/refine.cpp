@@ -168,7 +168,8 @@ void refine(LinkSet& set, Nodes& nodes, Guide& guide, const LinkBuilder& builder
     Refiner(set, nodes, guide, builder).run();
 }
 
-ErrorEstimate estimate_error(const LinkSet& set, const Nodes& nodes, double growth, Guide& guide) {
+ErrorEstimate estimate_error(const LinkSet& set, const Nodes& nodes, double growth, std::span<const float> outside,
+                             Guide& guide) {
     // Errors of E that links bring to each node, added by squares and plainly; then down to the leaves (children follow
     // their parents).
     std::vector<double> squares(nodes.size(), 0), plain(nodes.size(), 0), below(nodes.size(), 0);
@@ -194,6 +195,7 @@ ErrorEstimate estimate_error(const LinkSet& set, const Nodes& nodes, double grow
             plain[n] += plain[node.parent];
         }
         if (node.kind != NodeKind::Surface || node.child_count > 0) continue;
+        if (!outside.empty()) squares[n] += std::pow(double(outside[n]), 2);
         const double rho = double(guide.reflectance[n]), together = kAgreement * growth * plain[n];
         error[node.instance] += node.area * rho * rho * (squares[n] + together * together);
         light[node.instance] += node.area * std::pow(rho * double(guide.irradiance[n]), 2);

@@ -1,6 +1,7 @@
 // Which pairs become links: from the roots of all instances down, until every link's error fits its share.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "solver/transport/link.h"
@@ -34,6 +35,9 @@ struct ErrorEstimate {
 
 /// The errors that the links' own errors add up to; also leaves their sums per node in the guide. They agree in sign by
 /// kAgreement, and that part grows over bounces by `growth`, as the light itself.
-ErrorEstimate estimate_error(const LinkSet& set, const Nodes& nodes, double growth, Guide& guide);
+///
+/// outside  [nodes] standard deviation of the light from sky, sun and lamps, W/m^2; empty where there is none
+ErrorEstimate estimate_error(const LinkSet& set, const Nodes& nodes, double growth, std::span<const float> outside,
+                             Guide& guide);
 
 }  // namespace rro

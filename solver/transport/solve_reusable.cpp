@@ -2,6 +2,7 @@
 #include <chrono>
 
 #include "solver/transport/gather.h"
+#include "solver/transport/outside_light.h"
 #include "solver/transport/refine.h"
 #include "solver/transport/transport.h"
 
@@ -15,6 +16,8 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 
 constexpr int kMostRounds = 9;
 constexpr int kMostSweeps = 1000;
+// Divisions of one face at the edges of shadows from sky, sun and lamps, before any link is made.
+constexpr int kShadowLevels = 6;
 // Light that only steers refinement may be this part of the accuracy away from converged.
 constexpr double kSteering = 0.3;
 // Light of the first rounds only steers refinement: direct light, one bounce, then converged.
@@ -54,9 +57,28 @@ Residual iterate(LightField<C>& field, double goal, double largest_reflectance, 
 }
 
 // What later bounces make of an error in the light of one, where errors agree in sign: they grow like the light itself.
+/// Sum of A R^2 (channels' mean) of the light from outside that leaves reflect, W^2/m^2.
+double reflected_once(const Nodes& nodes, const Scene& scene, const std::vector<Rgb>& irradiance) {
+    double sum = 0;
+    for (std::uint32_t id = 0; id < irradiance.size(); ++id) {
+        const Node& n = nodes[id];
+        if (n.kind != NodeKind::Surface || n.child_count > 0) continue;
+        const Vec3 rho = to_double(scene.instances[n.instance].reflectance[nodes.patch_of(n)]);
+        sum += n.area * length2(hadamard(rho, to_double(irradiance[id]))) / 3;
+    }
+    return sum;
+}
+
 template <int C>
-double amplification(const Scene& scene, const Nodes& nodes, const LightField<C>& field) {
+double amplification(const Scene& scene, const Nodes& nodes, const LightField<C>& field, const OutsideLight& outside) {
     double all = 0, emitted = 0;
+    if (outside.any())
+        for (std::uint32_t id = 0; id < nodes.size(); ++id) {
+            if (nodes[id].kind != NodeKind::Surface || nodes[id].child_count > 0) continue;
+            const Vec3 e = to_double(outside.irradiance()[id]);
+            for (std::size_t c = 0; c < C; ++c)
+                emitted += nodes[id].area * double(field.reflectance(id, c)) * (c == 0 ? e.x : c == 1 ? e.y : e.z);
+        }
     for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
         const InstanceNodes& in = nodes.instance(i);
         for (std::uint32_t f = 0; f < scene.instances[i].data().faces.size(); ++f)
@@ -108,7 +130,8 @@ class HindSight {
 };
 
 template <int C>
-void store(const Scene& scene, const Nodes& nodes, const LightField<C>& field, Solution& solution) {
+void store(const Scene& scene, const Nodes& nodes, const LightField<C>& field, const std::vector<Rgb>& outside,
+           Solution& solution) {
     const auto rgb = [](const std::vector<float>& v, std::size_t id) {
         return C == 1 ? Rgb{v[id], v[id], v[id]} : Rgb{v[id * C], v[id * C + 1 % C], v[id * C + 2 % C]};
     };
@@ -126,7 +149,7 @@ void store(const Scene& scene, const Nodes& nodes, const LightField<C>& field, S
                 const auto ch = static_cast<int>(c);
                 const double e = double(field.irradiance()[id * C + k]) * nodes[id].area;
                 solution.energy.emitted[ch] += double(field.exitance(id, k)) * nodes[id].area;
-                solution.energy.absorbed[ch] += (1 - double(field.reflectance(id, k))) * e;
+                solution.energy.absorbed[ch] += (1 - double(field.reflectance(id, k)) - double(field.transmittance(id, k))) * e;
             }
         }
         for (const std::uint32_t id : in.elements)
@@ -137,6 +160,9 @@ void store(const Scene& scene, const Nodes& nodes, const LightField<C>& field, S
         std::stable_sort(out.elements.begin(), out.elements.end(),
                          [](const Element& x, const Element& y) { return x.face < y.face; });
     }
+    for (std::uint32_t id = 0; id < outside.size(); ++id)
+        if (nodes[id].kind == NodeKind::Surface && nodes[id].child_count == 0)
+            solution.energy.emitted += to_double(outside[id]) * nodes[id].area;
     solution.energy.escaped = solution.energy.emitted - solution.energy.absorbed;
 }
 
@@ -153,12 +179,12 @@ Result<Solution> solve(const Scene& scene, const Plan& plan, const TransportOpti
     const EndAreas areas(nodes);
     const SceneRays rays(scene);
     const LinkBuilder builder(nodes, areas, rays, options);
+    OutsideLight outside(scene, plan, builder, rays, options);
     LightField<C> field(nodes, areas);
     LinkSet set(nodes, plan.on("self"));
     const bool bounces = plan.on("interreflection");
     const bool closed = plan.on("self") && is_closed_shell(scene);
     Guide guide;
-    guide.error.assign(nodes.size(), 0.0f);
     guide.share.assign(scene.instances.size(), std::pow(std::max(kCoarseAccuracy, options.accuracy), 2) * kFirstShare);
     guide.scene_share = guide.share.empty() ? 0 : guide.share[0];
     solution.seconds.links += seconds_since(start);
@@ -168,11 +194,33 @@ Result<Solution> solve(const Scene& scene, const Plan& plan, const TransportOpti
         const InstanceNodes& in = nodes.instance(i);
         for (std::uint32_t f = 0; f < scene.instances[i].data().faces.size(); ++f)
             for (std::size_t c = 0; c < C; ++c) {
-                largest_reflectance = std::max(largest_reflectance, double(field.reflectance(in.first_face + f, c)));
+                const double sent_on = double(field.reflectance(in.first_face + f, c)) + double(field.transmittance(in.first_face + f, c));
+                largest_reflectance = std::max(largest_reflectance, sent_on);
                 emitted += double(field.exitance(in.first_face + f, c)) * nodes[in.first_face + f].area / C;
             }
         area += nodes[nodes.root(i)].area;
     }
+
+    // Light from outside first: it is a source like emitters, and its shadows divide faces.
+    start = Clock::now();
+    double entering = 0;
+    if (outside.any()) {
+        tell("sky, sun and lamps", 0);
+        outside.find(nodes);
+        for (int level = 0; level < kShadowLevels; ++level) {
+            guide.reflected = reflected_once(nodes, scene, outside.irradiance());
+            const std::vector<std::uint32_t> edges = outside.shadow_edges(nodes, guide);
+            if (edges.empty()) break;
+            for (const std::uint32_t id : edges) nodes.subdivide(id);
+            outside.find(nodes);
+        }
+        entering = reflected_once(nodes, scene, outside.irradiance());
+        field.grow();
+        field.set_outside(outside.irradiance());
+        field.begin();
+    }
+    guide.error.assign(nodes.size(), 0.0f);
+    solution.seconds.outside = seconds_since(start);
 
     const double allowed = 0.99 * options.accuracy;  // a tenth is left to the iteration, added by squares
     double error = 0;
@@ -185,12 +233,16 @@ Result<Solution> solve(const Scene& scene, const Plan& plan, const TransportOpti
         if (round == 0) {
             field.fill(guide);
             // Before any light has been gathered: all emitted power spread evenly and reflected once.
-            if (area > 0) guide.reflected = emitted * emitted / area * 0.25;
+            if (area > 0) guide.reflected = emitted * emitted / area * 0.25 + entering;
         }
         const std::size_t before = nodes.size(), links_before = set.links.size();
         const std::uint64_t rays_before = set.rays;
         refine(set, nodes, guide, builder);
         field.grow();
+        if (outside.any()) {
+            outside.find(nodes);
+            field.set_outside(outside.irradiance());
+        }
         field.set_links(set.links);
         field.bound_rows();
         if (closed) field.close_rows();
@@ -207,7 +259,7 @@ Result<Solution> solve(const Scene& scene, const Plan& plan, const TransportOpti
         solution.seconds.iterate += seconds_since(start);
 
         field.fill(guide);
-        ErrorEstimate estimate = estimate_error(set, nodes, closed ? 1.0 : amplification(scene, nodes, field), guide);
+        ErrorEstimate estimate = estimate_error(set, nodes, closed ? 1.0 : amplification(scene, nodes, field, outside), outside.error(), guide);
         hind_sight.correct(estimate, scene, nodes, field);
         error = estimate.whole;
         if (round < kDirectRounds) continue;
@@ -237,15 +289,15 @@ Result<Solution> solve(const Scene& scene, const Plan& plan, const TransportOpti
     solution.residual = residual.relative;
     solution.estimated_error = std::hypot(error, residual.relative);
     solution.converged = solution.estimated_error <= options.accuracy;
-    solution.rays = set.rays;
-    solution.seconds.visibility = set.visibility_seconds;
+    solution.rays = set.rays + outside.rays();
+    solution.seconds.visibility = set.visibility_seconds + solution.seconds.outside;
     solution.seconds.links -= set.visibility_seconds;
     for (const Link& l : set.links) {
         if (!nodes[l.a].group() && nodes[l.a].instance == nodes[l.b].instance) ++solution.links.self;
         else ++(l.mean() ? solution.links.near : solution.links.far);
     }
     solution.links.bytes = set.links.size() * sizeof(Link) + field.bytes();
-    store(scene, nodes, field, solution);
+    store(scene, nodes, field, outside.irradiance(), solution);
     return solution;
 }
 
