@@ -49,8 +49,9 @@ constexpr double kOverFace = 0.3, kWithinFace = 0.1;
 constexpr double kAlike = 2;
 // A gradient within one face, for the edge of a shadow.
 constexpr double kShadowWithinFace = 0.12;
-// A pair whose whole light would do this part of a link's harm is taken as it is.
-constexpr double kNegligible = 0.25;
+// A pair whose whole light would do this part of a link's harm is taken as it is; and one too near to be told as a whole,
+// an object in a room: what is next to nothing for the scene may be all that lights a dark side.
+constexpr double kNegligible = 0.25, kNegligibleNear = 0.01;
 // Root mean square of distances between two ends about the one between their centres, as a part of the sum of their radii;
 // and the part of what a medium makes of that which the mean over the ends does not cancel.
 constexpr double kAlong = 0.35, kWithinMedium = 0.5;
@@ -492,7 +493,9 @@ Verdict LinkBuilder::judge_far(std::uint32_t a, std::uint32_t b, const Guide& gu
     const double distance = length(between), ra = double(na.radius), rb = double(nb.radius);
     Offer o{a, b};
     const double gap = std::max(0.0, distance - ra - rb);
-    const bool negligible = std::max(most_harm(a, b, gap, guide), most_harm(b, a, gap, guide)) <= kNegligible;
+    const bool near = distance < 2 * std::max(ra, rb);
+    const bool negligible =
+        std::max(most_harm(a, b, gap, guide), most_harm(b, a, gap, guide)) <= (near ? kNegligibleNear : kNegligible);
     const double factor_a = na.kind == NodeKind::Bins ? options_.far_factor : kNearestFlat;
     const double factor_b = nb.kind == NodeKind::Bins ? options_.far_factor : kNearestFlat;
     if (!negligible && (na.box.overlaps(nb.box) || distance < std::max(factor_a * ra, factor_b * rb)))
@@ -558,7 +561,7 @@ Verdict LinkBuilder::judge_far(std::uint32_t a, std::uint32_t b, const Guide& gu
     o.exchange = g * share_a * share_b;
     o.base_a = o.base_b = strength(na, end_a, share_a) * strength(nb, end_b, share_b) / (d * d);
     // A negligible pair may be too near for any of this.
-    const double unknown = negligible && distance < 2 * std::max(ra, rb) ? 1.0 : 0.0;
+    const double unknown = negligible && near ? 1.0 : 0.0;
     o.error_a = std::hypot(o.exchange * std::hypot(error_a, unknown), g * hidden_a);
     o.error_b = std::hypot(o.exchange * std::hypot(error_b, unknown), g * hidden_b);
     return settle(o, guide);
