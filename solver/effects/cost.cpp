@@ -32,6 +32,9 @@ constexpr double kRaysPerLink = 3.5, kRayAccuracy = 0.12, kRayExponent = 0.9;
 constexpr double kSweeps = 8.5, kSweepAccuracy = 0.3, kSweepExponent = 0.5;
 constexpr double kDirectSweeps = 4;  // where nothing is reflected: one for each round of refinement
 
+// Sky, sun and each lamp: rays from every face, at 0.05, and more for a finer answer.
+constexpr double kOutsideRaysPerFace = 70, kOutsideAccuracy = 0.05, kOutsideExponent = 1;
+
 /// What the model counts.
 struct Counts {
     double instances = 0, faces = 0, self_faces = 0;
@@ -102,6 +105,13 @@ Work predict_work(const Scene& scene, double accuracy, unsigned threads, Plan& p
     if (plan.on("self")) plan["self"].predicted = work(inside, 0, inside * kBytesPerLink, inside * per_link);
     if (plan.on("colour"))
         plan["colour"].predicted = work(0, 0, 2 * c.faces * kBytesPerFaceAndChannel, sweeping * (1 - kOneChannel));
+    for (const char* name : {"sky", "sun", "lights"}) {
+        if (!plan.on(name)) continue;
+        const double sources = std::string_view(name) == "lights" ? static_cast<double>(scene.lights.size()) : 1;
+        const double finer = std::pow(kOutsideAccuracy / accuracy, kOutsideExponent);
+        const double asked = plan.on("occlusion") ? sources * c.faces * kOutsideRaysPerFace * finer : 0;
+        plan[name].predicted = work(0, asked, 0, asked * kSecondsPerRay / threads);
+    }
     return sum_of(plan.effects);
 }
 

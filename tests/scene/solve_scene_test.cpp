@@ -62,13 +62,14 @@ TEST_CASE("a scene without light is exactly 0 at once, and says so", "[solve_sce
     }
 }
 
-TEST_CASE("effects that only the reference has are wrong usage for the reusable method", "[solve_scene]") {
+TEST_CASE("a medium of its own colour is wrong usage for the reusable method", "[solve_scene]") {
     SceneFiles files;
-    const Scene scene = files.open(files.instances(kBox, R"(, "sky": {"radiance": [1, 1, 1]})"));
+    const Scene scene = files.open(
+        files.instances(kBox, R"(, "sky": {"radiance": [1, 1, 1]}, "medium": {"absorption": [0.1, 0, 0]})"));
     const auto refused = solve_scene(scene, {});
     REQUIRE_FALSE(refused);
     CHECK(refused.error().kind == ErrorKind::Usage);
-    CHECK(refused.error().message == "sky: --method reusable does not support it in this version");
+    CHECK_THAT(refused.error().message, Contains("medium: --method reusable does not support"));
     const SolveOptions reference{.method = Method::Reference, .accuracy = {}, .samples = 4, .overrides = {}};
     CHECK(solved(scene, reference).energy.emitted.x > 0);
 }
