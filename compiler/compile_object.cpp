@@ -7,6 +7,7 @@
 #include "compiler/convexity.h"
 #include "compiler/effective_area.h"
 #include "compiler/hit_probability.h"
+#include "compiler/inward_shells.h"
 #include "compiler/object_bvh.h"
 #include "compiler/object_layout.h"
 #include "compiler/patches.h"
@@ -162,7 +163,9 @@ Result<CompiledObject> compile_object(const Mesh& mesh, const CompileOptions& op
     if (tables.hit) store(measure_hits(object.data, tables), object);
     if (tables.area || tables.visibility) {
         report("effective areas", 0.4);
-        store(measure_effective_areas(object.data, tables), object);
+        EffectiveAreas areas = measure_effective_areas(object.data, tables);
+        hide_inward_patches(object.data, areas);
+        store(std::move(areas), object);
         report("table errors", 0.65);
         if (tables.errors) store(measure_table_errors(object.data), object);
     }
