@@ -44,7 +44,7 @@ constexpr double kNearestFlat = 2;
 constexpr double kFarTriangles = 4;
 // How much a light gradient within one face counts: it does not move the face's mean, but what the face sends on; and
 // between faces that nearly touch, where it never ends.
-constexpr double kOverFace = 0.3, kWithinFace = 0.1;
+constexpr double kOverFace = 0.2, kWithinFace = 0.1;
 // Within an object, parts that are lit alike see one another best: their errors agree in sign.
 constexpr double kAlike = 2;
 // A gradient within one face, for the edge of a shadow.
