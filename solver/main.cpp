@@ -72,7 +72,7 @@ void declare_run(CLI::App& run, Arguments& a) {
     run.add_option("--size", a.size, "Pixels of the picture")->type_name("WxH")->capture_default_str();
     run.add_option("--radiosity", a.radiosity, "Radiosity per source triangle, W/m^2")->type_name("FILE.csv");
     run.add_option("--report", a.report, "What the solve did, as JSON")->type_name("FILE.json");
-    run.add_option("--method", a.method, "reusable or reference")->type_name("METHOD")->capture_default_str();
+    run.add_option("--method", a.method, "reusable, hierarchical or reference")->type_name("METHOD")->capture_default_str();
     run.add_option("--transport", a.transport,
                    "directional, or plain: alike in all directions, as in the paper (default: directional)")
         ->type_name("HOW");
@@ -132,6 +132,7 @@ Result<Job> job_of(const Arguments& a) {
         return Error{ErrorKind::Usage, "",
                      "--picture " + a.picture.string() + ": expected a name ending in .png or .exr", ""};
     job.solve = {*method, a.accuracy, *visibility, a.samples, a.seed, a.overrides};
+    job.solve.memory = *memory;
     if (!a.transport.empty()) job.solve.transport = *transport;
     job.picture.width = (*size)[0];
     job.picture.height = (*size)[1];

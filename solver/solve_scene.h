@@ -18,7 +18,7 @@
 
 namespace rro {
 
-enum class Method { Reusable, Reference };
+enum class Method { Reusable, Hierarchical, Reference };
 
 /// How the reusable method carries light: by direction, or alike in all directions as the paper does.
 enum class Transport { Directional, Plain };
@@ -31,6 +31,7 @@ struct SolveOptions {
     std::uint64_t seed = 1;
     EffectOverrides overrides;
     std::optional<Transport> transport = {};  // for the reusable method only; directional where not given
+    std::uint64_t memory = std::uint64_t{8} << 30;  // bytes that the hierarchical method may use for links and elements
 };
 
 /// errors   Usage: not a name of the contract, or not supported by this version (lists those that are)
