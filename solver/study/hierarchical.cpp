@@ -13,7 +13,7 @@ namespace {
 // What one link is off by, as a share of what it carries: measured on rooms with furniture, where most of it is the noise
 // of few rays. Links of power w each leave an error of kLinkError sqrt(w / W) where W arrives: hence the power allowed.
 constexpr double kLinkError = 0.3;
-constexpr double kUnlinkedShare = 0.1;   // of the error asked: all pairs of faces together that are too dim to be linked
+constexpr double kUnlinkedShare = 0.5;   // of the error asked: all pairs of faces together that are too dim to be linked
 constexpr double kFirstRoundPower = 4;   // the first round knows only the emitters: coarser links, to be refined
 constexpr int kMostRounds = 8;
 constexpr int kMostIterations = 1000;    // of one round

@@ -158,7 +158,9 @@ void QuadLinker::look(const Pair& pair, double light, double limit, Verdict& v) 
             std::array<std::uint8_t, kRaysPerQuadLink> blocked;
             std::size_t n = 0;
             const std::uint64_t seed = mix64(std::uint64_t{pair.a} << 32 | pair.b);
-            for (std::uint32_t k = 0; k < kRaysPerQuadLink; ++k) {
+            const bool dim = light * double(v.largest) < kDimShare * limit;
+            const std::uint32_t wanted = dim ? kRaysPerDimLink : kRaysPerQuadLink;
+            for (std::uint32_t k = 0; k < wanted; ++k) {
                 const auto s = sobol4(k, seed);
                 const auto u = square_to_triangle(double(s[0]), double(s[1]));
                 const auto w = square_to_triangle(double(s[2]), double(s[3]));

@@ -26,8 +26,10 @@ struct QuadOracle {
     std::uint64_t memory = 0;  // bytes, for links and elements
 };
 
-/// Rays per tested pair of elements: half of the 16 that HSA91 took, as all levels of refinement test.
-inline constexpr int kRaysPerQuadLink = 8;
+/// Rays per tested pair of elements: half of the 16 that HSA91 took, as all levels of refinement test; and of a pair that
+/// carries less than kDimShare of what is allowed, whose noise drowns in that of all the others.
+inline constexpr int kRaysPerQuadLink = 8, kRaysPerDimLink = 2;
+inline constexpr double kDimShare = 0.125;
 
 /// Adds links round by round, as light becomes known. Deterministic: pairs are judged in parallel, applied in order.
 class QuadLinker {
