@@ -25,6 +25,7 @@ constexpr const char* kExamples =
     "  rro-solve run room.json --out room.glb --picture room.png\n"
     "  rro-solve run room.json --radiosity room.csv --report room.report.json --accuracy 0.05\n"
     "  rro-solve run room.json --method reference --radiosity truth.csv\n"
+    "  rro-solve run room.json --method hierarchical --accuracy 0.1 --report classic.json\n"
     "  rro-solve explain room.json\n"
     "  rro-solve factors room.json --out factors.csv\n"
     "  rro-solve factors room.json --out factors.json --by material --accuracy 1e-4 --report factors.report.json\n"
