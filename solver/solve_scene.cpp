@@ -33,10 +33,12 @@ Error usage(std::string message) {
 
 /// These two always see the whole of a scene, by rays.
 Status check_ray_options(const SolveOptions& options, const std::string& method_name) {
-    if (options.transport) return usage("--transport is for --method reusable; " + method_name + " has a transport of its own");
+    if (options.transport)
+        return usage("--transport is for --method reusable; " + method_name + " has a transport of its own");
     for (const char* method : {"none", "atlas", "tables"})
         if (options.visibility == *parse_visibility(method))
-            return usage(std::string("--visibility ") + method + " is for --method reusable; " + method_name + " always traces rays");
+            return usage(std::string("--visibility ") + method + " is for --method reusable; " + method_name +
+                         " always traces rays");
     for (const char* effect : {"interreflection", "occlusion", "self"})
         if (std::find(options.overrides.without.begin(), options.overrides.without.end(), effect) !=
             options.overrides.without.end())

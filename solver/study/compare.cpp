@@ -177,7 +177,8 @@ Result<Comparison> compare_archives(const Manifest& manifest, const CompareOptio
     Comparison c;
     c.scene = manifest.path.string();
     c.options = options;
-    for (std::size_t p = 0; p < kPhases.size(); ++p) c.times.push_back(phase_times(kPhases[p], seconds[p][0], seconds[p][1]));
+    for (std::size_t p = 0; p < kPhases.size(); ++p)
+        c.times.push_back(phase_times(kPhases[p], seconds[p][0], seconds[p][1]));
     c.radiosity = radiosity_difference(*first[0], *first[1]);
     c.sizes = sizes_of(*first[0], *first[1], *manifests[0], *manifests[1]);
     c.base_error = first[0]->solution.estimated_error;

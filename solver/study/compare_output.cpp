@@ -43,7 +43,8 @@ std::string radiosity_sentence(const RadiosityDifference& r) {
     std::string text = line("Reflected radiosity differs by %.3g (relative, root mean square by area)", r.relative_rms);
     if (r.largest > 0) {
         text += line("; most, by %.3g W/m2, at triangle %u of ", r.largest, r.triangle) + r.instance;
-        if (!r.worst_instance.empty()) text += "; most of all instances: " + r.worst_instance + line(", by %.3g", r.worst_relative_rms);
+        if (!r.worst_instance.empty())
+            text += "; most of all instances: " + r.worst_instance + line(", by %.3g", r.worst_relative_rms);
     }
     if (r.unmatched > 0) text += line("; %llu triangle sides are in one version only", count(r.unmatched));
     return text + ".";
@@ -119,7 +120,8 @@ std::string comparison_json(const Comparison& c) {
 std::string comparison_markdown(const Comparison& c) {
     const PhaseTimes& total = c.times.back();
     std::string text = "### `" + c.scene + "`: `" + c.options.base.string() + "` to `" + c.options.head.string() + "`\n\n";
-    text += line("**Total time x %.3f (%s)**, %d runs each, interleaved. ", total.ratio, name_of(total.verdict), c.options.runs);
+    text += line("**Total time x %.3f (%s)**, %d runs each, interleaved. ", total.ratio, name_of(total.verdict),
+                 c.options.runs);
     text += radiosity_sentence(c.radiosity) + "\n\n";
     for (const std::string& gate : gates(c)) text += "- " + gate + "\n";
     text += "\n| seconds | base | head | ratio | from - to | verdict |\n|---|---:|---:|---:|---:|---|\n";
