@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <optional>
 
+#include "format/atomic_file.h"
 #include "format/parallel.h"
 #include "format/tool/interrupt.h"
 #include "format/tool/program.h"
@@ -13,6 +14,7 @@
 #include "solver/factors/factors_output.h"
 #include "solver/output/output.h"
 #include "solver/solve_scene.h"
+#include "solver/study/compare.h"
 
 namespace rro {
 namespace {
@@ -23,9 +25,11 @@ constexpr const char* kExamples =
     "  rro-solve run room.json --out room.glb --picture room.png\n"
     "  rro-solve run room.json --radiosity room.csv --report room.report.json --accuracy 0.05\n"
     "  rro-solve run room.json --method reference --radiosity truth.csv\n"
+    "  rro-solve run room.json --method hierarchical --accuracy 0.1 --report classic.json\n"
     "  rro-solve explain room.json\n"
     "  rro-solve factors room.json --out factors.csv\n"
     "  rro-solve factors room.json --out factors.json --by material --accuracy 1e-4 --report factors.report.json\n"
+    "  rro-solve compare room.json --base library-1.0 --head library-1.1 --fail-if-slower 1.1 --markdown change.md\n"
     "Exit codes: 0 done, 1 the work failed or the accuracy was not met, 2 wrong usage, 3 bad input, 4 internal error,\n"
     "130 interrupted.";
 
@@ -41,6 +45,8 @@ struct Arguments {
     std::string by, sides = "front";
     std::optional<double> threshold;
     bool close = false;
+    CompareOptions compare;
+    std::filesystem::path json_file, markdown_file;
 };
 
 void declare_common(CLI::App& command, Arguments& a) {
@@ -72,7 +78,7 @@ void declare_run(CLI::App& run, Arguments& a) {
     run.add_option("--size", a.size, "Pixels of the picture")->type_name("WxH")->capture_default_str();
     run.add_option("--radiosity", a.radiosity, "Radiosity per source triangle, W/m^2")->type_name("FILE.csv");
     run.add_option("--report", a.report, "What the solve did, as JSON")->type_name("FILE.json");
-    run.add_option("--method", a.method, "reusable or reference")->type_name("METHOD")->capture_default_str();
+    run.add_option("--method", a.method, "reusable, hierarchical or reference")->type_name("METHOD")->capture_default_str();
     run.add_option("--transport", a.transport,
                    "directional, or plain: alike in all directions, as in the paper (default: directional)")
         ->type_name("HOW");
@@ -132,6 +138,7 @@ Result<Job> job_of(const Arguments& a) {
         return Error{ErrorKind::Usage, "",
                      "--picture " + a.picture.string() + ": expected a name ending in .png or .exr", ""};
     job.solve = {*method, a.accuracy, *visibility, a.samples, a.seed, a.overrides};
+    job.solve.memory = *memory;
     if (!a.transport.empty()) job.solve.transport = *transport;
     job.picture.width = (*size)[0];
     job.picture.height = (*size)[1];
@@ -375,6 +382,72 @@ int factors(const Arguments& a) {
     return 0;
 }
 
+void declare_compare(CLI::App& command, Arguments& a) {
+    declare_common(command, a);
+    command.add_option("--base", a.compare.base, "Folder of archives, found by their file names")->required()->type_name("DIR");
+    command.add_option("--head", a.compare.head, "The other version of them")->required()->type_name("DIR");
+    command.add_option("--runs", a.compare.runs, "Measured runs of each, interleaved, after one that is not measured")
+        ->type_name("N")
+        ->check(CLI::Range(1, 1000))
+        ->capture_default_str();
+    command.add_option("--fail-if-slower", a.compare.fail_if_slower,
+                       "Exit 1 if the total time of head is above this times base's, beyond the noise")
+        ->type_name("RATIO")
+        ->check(CLI::PositiveNumber);
+    command.add_option("--fail-if-differs", a.compare.fail_if_differs,
+                       "Exit 1 if reflected radiosity differs by more (relative, root mean square by area)")
+        ->type_name("E")
+        ->check(CLI::NonNegativeNumber);
+    command.add_option("--json", a.json_file, "The comparison for programs")->type_name("FILE.json");
+    command.add_option("--markdown", a.markdown_file, "The comparison for a merge request")->type_name("FILE.md");
+    command.add_option("--accuracy", a.accuracy, "Relative error aimed at (default: the manifest's, or 0.02)")->type_name("E");
+    command.add_option("--method", a.method, "reusable, hierarchical or reference")->type_name("METHOD")->capture_default_str();
+    command.add_option("--memory", a.memory, "Most memory to use (default: 8G or ulimit -v)")->type_name("8G");
+}
+
+/// One measured solve of `compare`, as `run` would do it.
+Result<SolvedScene> solve_once(const Manifest& manifest, const Job& job) {
+    const auto begun = std::chrono::steady_clock::now();
+    SectionSet wanted = kGeometry | Section::Source;
+    if (job.solve.method == Method::Reusable) wanted = wanted | kTables | sections_of(job.solve.visibility);
+    auto scene = open_scene(manifest, wanted);
+    if (!scene) return scene.error();
+    const double load_seconds = seconds_since(begun);
+    const std::uint64_t needed = estimated_memory(*scene);
+    if (needed > job.memory)
+        return failed(manifest.path.string(), "needs about " + size_text(needed) + " of memory", "allow more with --memory");
+    auto solution = solve_scene(*scene, job.solve);
+    if (!solution) return solution.error();
+    solution->seconds.load = load_seconds;
+    return SolvedScene{std::move(*scene), std::move(*solution), needed};
+}
+
+int compare(const Arguments& a) {
+    const auto job = job_of(a);
+    if (!job) return report_error(kProgram, job.error());
+    const std::array<std::filesystem::path, 2> outputs{a.json_file, a.markdown_file};
+    if (auto writable = check_outputs(outputs, a.scene); !writable) return report_error(kProgram, writable.error());
+    const auto manifest = read_manifest(a.scene);
+    if (!manifest) return report_error(kProgram, manifest.error());
+    TerminalProgress progress(a.quiet);
+    const auto compared = compare_archives(
+        *manifest, a.compare, [&](const Manifest& m) { return solve_once(m, *job); }, with_time_left(progress.callback()));
+    progress.clear();
+    if (!compared) return report_error(kProgram, compared.error());
+    const DeferInterrupts until_written;
+    if (!a.json_file.empty())
+        if (auto written = write_file_atomically(a.json_file, comparison_json(*compared)); !written)
+            return report_error(kProgram, written.error());
+    if (!a.markdown_file.empty())
+        if (auto written = write_file_atomically(a.markdown_file, comparison_markdown(*compared)); !written)
+            return report_error(kProgram, written.error());
+    if (!a.quiet) std::fputs(comparison_text(*compared).c_str(), stdout);
+    if (compared->passed()) return 0;
+    return report_error(kProgram, failed(a.scene.string(),
+                                         std::string(compared->too_slow ? "head is slower" : "head differs more") +
+                                             " than the threshold allows"));
+}
+
 int main_with(int argc, char** argv) {
     Arguments arguments;
     CLI::App app("Solves scenes of reusable radiosity objects.", kProgram);
@@ -389,6 +462,8 @@ int main_with(int argc, char** argv) {
     explain_command->add_flag("--json", arguments.json, "As JSON");
     CLI::App* factors_command = app.add_subcommand("factors", "View factors between instances, materials or groups");
     declare_factors(*factors_command, arguments);
+    CLI::App* compare_command = app.add_subcommand("compare", "Compare two versions of a scene's archives: time and result");
+    declare_compare(*compare_command, arguments);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
@@ -397,6 +472,7 @@ int main_with(int argc, char** argv) {
     }
     set_thread_count(arguments.threads);
     if (factors_command->parsed()) return factors(arguments);
+    if (compare_command->parsed()) return compare(arguments);
     return run_command->parsed() ? run(arguments) : explain(arguments);
 }
 

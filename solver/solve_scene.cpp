@@ -5,6 +5,7 @@
 #include <string>
 
 #include "solver/effects/cost.h"
+#include "solver/study/hierarchical.h"
 #include "solver/study/reference.h"
 #include "solver/transport/solve_plain.h"
 
@@ -30,24 +31,29 @@ Error usage(std::string message) {
     return {ErrorKind::Usage, "", std::move(message), ""};
 }
 
-/// The reference knows nothing but the whole truth.
-Status check_reference_options(const SolveOptions& options) {
-    if (options.transport) return usage("--transport is for --method reusable; the reference follows single paths of light");
+/// These two always see the whole of a scene, by rays.
+Status check_ray_options(const SolveOptions& options, const std::string& method_name) {
+    if (options.transport)
+        return usage("--transport is for --method reusable; " + method_name + " has a transport of its own");
     for (const char* method : {"none", "atlas", "tables"})
         if (options.visibility == *parse_visibility(method))
-            return usage(std::string("--visibility ") + method + " is for --method reusable; the reference always traces rays");
+            return usage(std::string("--visibility ") + method + " is for --method reusable; " + method_name +
+                         " always traces rays");
     for (const char* effect : {"interreflection", "occlusion", "self"})
         if (std::find(options.overrides.without.begin(), options.overrides.without.end(), effect) !=
             options.overrides.without.end())
-            return usage(std::string("--without ") + effect + " is for --method reusable; the reference has it always");
+            return usage(std::string("--without ") + effect + " is for --method reusable; " + method_name + " has it always");
     return Done{};
 }
 
-Status check_reusable_options(const Scene& scene, const Plan& plan, const SolveOptions& options) {
+Status check_deterministic_options(const Scene& scene, const Plan& plan, const SolveOptions& options) {
+    const std::string name = options.method == Method::Reusable ? "reusable" : "hierarchical";
     if (options.samples > 0)
-        return usage("--samples is for --method reference; the reusable method takes what --accuracy needs");
-    if (const auto lacking = reference_only(scene, plan); !lacking.empty())
-        return Error{ErrorKind::Usage, "", lacking[0] + ": --method reusable does not support one that absorbs some colours more than others in this version",
+        return usage("--samples is for --method reference; the " + name + " method takes what --accuracy needs");
+    if (const auto lacking = unsupported(scene, plan, options.method); !lacking.empty())
+        return Error{ErrorKind::Usage, "",
+                     lacking[0] + ": --method " + name + " does not support " +
+                         (options.method == Method::Reusable ? "one that absorbs some colours more than others" : "it") + " in this version",
                      "use --method reference, or leave it out with --without " + lacking[0]};
     return Done{};
 }
@@ -76,6 +82,8 @@ Result<Solution> solve_by_method(const Scene& scene, const Plan& plan, const Sol
     if (!is_lit(plan)) return dark_solution(scene, options);
     if (options.method == Method::Reference)
         return solve_reference(scene, {accuracy, options.samples, options.seed}, progress);
+    if (options.method == Method::Hierarchical)
+        return solve_hierarchical(scene, {accuracy, plan.channels > 1, options.memory}, progress);
     TransportOptions transport;
     transport.accuracy = accuracy;
     transport.seed = options.seed;
@@ -90,10 +98,9 @@ Result<Solution> solve_by_method(const Scene& scene, const Plan& plan, const Sol
 
 Result<Method> parse_method(std::string_view name) {
     if (name == "reusable") return Method::Reusable;
+    if (name == "hierarchical") return Method::Hierarchical;
     if (name == "reference") return Method::Reference;
-    const std::string found = "--method " + std::string(name);
-    if (name == "hierarchical") return usage(found + ": not supported by this version, expected reusable or reference");
-    return usage(found + ": no such method, expected reusable or reference");
+    return usage("--method " + std::string(name) + ": no such method, expected reusable, hierarchical or reference");
 }
 
 Result<Transport> parse_transport(std::string_view name) {
@@ -117,9 +124,13 @@ Result<Solution> solve_scene(const Scene& scene, const SolveOptions& options, co
     auto plan = plan_effects(scene, options.overrides);
     if (!plan) return plan.error();
     if (options.method == Method::Reference)
-        if (auto fits = check_reference_options(options); !fits) return fits.error();
+        if (auto fits = check_ray_options(options, "the reference"); !fits) return fits.error();
     if (options.method == Method::Reusable)
-        if (auto fits = check_reusable_options(scene, *plan, options); !fits) return fits.error();
+        if (auto fits = check_deterministic_options(scene, *plan, options); !fits) return fits.error();
+    if (options.method == Method::Hierarchical) {
+        if (auto fits = check_ray_options(options, "the hierarchical method"); !fits) return fits.error();
+        if (auto fits = check_deterministic_options(scene, *plan, options); !fits) return fits.error();
+    }
     const double plan_seconds = seconds_since(start);
 
     const double accuracy = accuracy_of(scene, options.accuracy);
@@ -141,10 +152,14 @@ double accuracy_of(const Scene& scene, std::optional<double> asked) {
     return asked.value_or(scene.manifest.accuracy.value_or(kDefaultAccuracy));
 }
 
-std::vector<std::string> reference_only(const Scene& scene, const Plan& plan) {
+std::vector<std::string> unsupported(const Scene& scene, const Plan& plan, Method method) {
     std::vector<std::string> effects;
+    if (method == Method::Hierarchical)
+        for (const char* effect : {"sky", "sun", "lights", "transmission", "medium"})
+            if (plan.on(effect)) effects.push_back(effect);
     const Vec3 absorption = scene.medium ? scene.medium->absorption : Vec3{};
-    if (plan.on("medium") && !(absorption.x == absorption.y && absorption.y == absorption.z)) effects.push_back("medium");
+    const bool coloured = !(absorption.x == absorption.y && absorption.y == absorption.z);
+    if (method == Method::Reusable && plan.on("medium") && coloured) effects.push_back("medium");
     return effects;
 }
 

@@ -18,7 +18,7 @@
 
 namespace rro {
 
-enum class Method { Reusable, Reference };
+enum class Method { Reusable, Hierarchical, Reference };
 
 /// How the reusable method carries light: by direction, or alike in all directions as the paper does.
 enum class Transport { Directional, Plain };
@@ -31,6 +31,7 @@ struct SolveOptions {
     std::uint64_t seed = 1;
     EffectOverrides overrides;
     std::optional<Transport> transport = {};  // for the reusable method only; directional where not given
+    std::uint64_t memory = std::uint64_t{8} << 30;  // bytes that the hierarchical method may use for links and elements
 };
 
 /// errors   Usage: not a name of the contract, or not supported by this version (lists those that are)
@@ -48,9 +49,9 @@ Result<Solution> solve_scene(const Scene& scene, const SolveOptions& options, co
 /// The accuracy to solve for: the one asked for, or the manifest's, or 0.02.
 double accuracy_of(const Scene& scene, std::optional<double> asked);
 
-/// The effects of a plan that only --method reference has in this version. (Light groups are not among them: the reusable
-/// method solves for their sum.)
-std::vector<std::string> reference_only(const Scene& scene, const Plan& plan);
+/// The effects of a plan that a method does not have in this version. (Light groups are not among them: all methods solve for
+/// their sum.)
+std::vector<std::string> unsupported(const Scene& scene, const Plan& plan, Method method);
 
 /// Did the solve do what it was asked? The accuracy was met, or the samples asked for were taken.
 bool work_done(const Solution& solution, const SolveOptions& options);

@@ -94,6 +94,32 @@ cmp high.csv one.csv || fail "--threads changed the result"
 "$compile" build box.obj --out again.rro --threads 1 --quiet
 cmp again.rro library/box.rro || fail "--threads changed an archive"
 
+# The classic method ends with 0, whatever its estimate, and says its links.
+"$solve" run scene.json --method hierarchical --report classic.json --quiet || fail "--method hierarchical: exit code $?"
+grep -q '"near": [1-9]' classic.json || fail "--method hierarchical has no links"
+status=0
+"$solve" run scene.json --method hierarchical --transport plain --quiet 2> stderr.txt || status=$?
+[ "$status" -eq 2 ] || fail "--method hierarchical --transport: exit code $status, expected 2"
+
+# Two versions of a library: the same one passes any threshold, another colour does not, a missing archive is named.
+mkdir versions versions/old versions/new versions/half
+cp library/box.rro library/lamp.rro versions/old
+cp red.rro versions/new/box.rro
+cp library/lamp.rro versions/new
+cp library/box.rro versions/half
+"$solve" compare scene.json --base library --head versions/old --runs 1 --fail-if-differs 0 --json same.json > same.txt ||
+    fail "compare: a copy of the library differs"
+grep -q '"relative_rms": 0.0' same.json || fail "compare: a copy of the library differs: $(cat same.txt)"
+status=0
+"$solve" compare scene.json --base versions/old --head versions/new --runs 1 --fail-if-differs 0.01 --markdown change.md \
+    > /dev/null 2> stderr.txt || status=$?
+[ "$status" -eq 1 ] || fail "compare over a threshold: exit code $status, expected 1"
+grep -q 'FAILED: difference of radiosity' change.md || fail "compare: the Markdown does not say why"
+status=0
+"$solve" compare scene.json --base versions/old --head versions/half 2> stderr.txt || status=$?
+[ "$status" -eq 3 ] || fail "compare without an archive: exit code $status, expected 3"
+grep -q 'lamp.rro' stderr.txt || fail "compare: the missing archive is not named: $(cat stderr.txt)"
+
 # View factors: the box seen by a lid over it, exact, all pairs; groups; output by threshold; closing an open scene fails.
 cat > lid.obj <<'END'
 v -1 2 -1

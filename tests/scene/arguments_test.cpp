@@ -45,10 +45,11 @@ TEST_CASE("transports by name", "[arguments]") {
           "--transport fancy: no such transport, expected directional or plain");
 }
 
-TEST_CASE("methods and visibilities by name; those that are not built are named as such", "[arguments]") {
+TEST_CASE("methods and visibilities by name", "[arguments]") {
     CHECK(*parse_method("reference") == Method::Reference);
-    CHECK(parse_method("hierarchical").error().message ==
-          "--method hierarchical: not supported by this version, expected reusable or reference");
+    CHECK(*parse_method("hierarchical") == Method::Hierarchical);
+    CHECK(parse_method("hierarchic").error().message ==
+          "--method hierarchic: no such method, expected reusable, hierarchical or reference");
     CHECK(parse_method("magic").error().kind == ErrorKind::Usage);
     CHECK(*parse_visibility("none") == VisibilityMethod::None);
     CHECK(*parse_visibility("atlas") == VisibilityMethod::Atlas);

@@ -1,0 +1,137 @@
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "solver/study/compare.h"
+
+namespace rro {
+namespace {
+
+using nlohmann::json;
+
+/// printf into a string; lines of a table are short.
+template <class... Values>
+std::string line(const char* format, Values... values) {
+    std::array<char, 512> text;
+    std::snprintf(text.data(), text.size(), format, values...);
+    return text.data();
+}
+
+const char* name_of(Verdict verdict) {
+    switch (verdict) {
+        case Verdict::Faster: return "faster";
+        case Verdict::Slower: return "slower";
+        case Verdict::Same: return "no difference beyond the noise";
+    }
+    return "";
+}
+
+json number(double value) {
+    return std::isfinite(value) ? json(value) : json(nullptr);
+}
+
+unsigned long long count(std::uint64_t n) {
+    return n;
+}
+
+double change_percent(const Pairing& p) {
+    return p.base > 0 ? 100 * (double(p.head) / double(p.base) - 1) : 0;
+}
+
+std::string radiosity_sentence(const RadiosityDifference& r) {
+    std::string text = line("Reflected radiosity differs by %.3g (relative, root mean square by area)", r.relative_rms);
+    if (r.largest > 0) {
+        text += line("; most, by %.3g W/m2, at triangle %u of ", r.largest, r.triangle) + r.instance;
+        if (!r.worst_instance.empty())
+            text += "; most of all instances: " + r.worst_instance + line(", by %.3g", r.worst_relative_rms);
+    }
+    if (r.unmatched > 0) text += line("; %llu triangle sides are in one version only", count(r.unmatched));
+    return text + ".";
+}
+
+/// What the thresholds say, or nothing where none was given.
+std::vector<std::string> gates(const Comparison& c) {
+    std::vector<std::string> lines;
+    if (c.options.fail_if_slower)
+        lines.push_back(line("%s: total time, at most %.4g times the base's, found %.4g", c.too_slow ? "FAILED" : "passed",
+                             *c.options.fail_if_slower, c.times.back().ratio));
+    if (c.options.fail_if_differs)
+        lines.push_back(line("%s: difference of radiosity, at most %.4g, found %.4g",
+                             c.too_different ? "FAILED" : "passed", *c.options.fail_if_differs, c.radiosity.relative_rms));
+    return lines;
+}
+
+}  // namespace
+
+std::string comparison_text(const Comparison& c) {
+    std::string text = c.scene + ": base " + c.options.base.string() + ", head " + c.options.head.string() +
+                       line(", %d runs each, interleaved\n\n", c.options.runs);
+    text += line("%-11s %10s %10s  %10s %10s  %6s  %-15s %s\n", "seconds", "base", "head", "spread", "spread", "ratio",
+                 "from to", "verdict");
+    for (const PhaseTimes& t : c.times)
+        text += line("%-11s %10.4f %10.4f  %10.4f %10.4f  %6.3f  %6.3f %6.3f   %s\n", t.phase.c_str(), t.base, t.head,
+                     t.base_spread, t.head_spread, t.ratio, t.low, t.high, name_of(t.verdict));
+    text += line("\n%-28s %14s %14s %9s\n", "", "base", "head", "change");
+    for (const Pairing& p : c.sizes)
+        text += line("%-28s %14llu %14llu %+8.1f%%\n", p.what.c_str(), count(p.base), count(p.head), change_percent(p));
+    text += line("%-28s %14.3g %14.3g\n\n", "estimated error", c.base_error, c.head_error);
+    text += radiosity_sentence(c.radiosity) + "\n";
+    for (const std::string& gate : gates(c)) text += gate + "\n";
+    return text;
+}
+
+std::string comparison_json(const Comparison& c) {
+    json times = json::array(), sizes = json::array();
+    for (const PhaseTimes& t : c.times)
+        times.push_back({{"phase", t.phase},
+                         {"base", t.base},
+                         {"head", t.head},
+                         {"base_spread", t.base_spread},
+                         {"head_spread", t.head_spread},
+                         {"ratio", number(t.ratio)},
+                         {"ratio_low", number(t.low)},
+                         {"ratio_high", number(t.high)},
+                         {"verdict", t.verdict == Verdict::Same ? "same" : name_of(t.verdict)}});
+    for (const Pairing& p : c.sizes) sizes.push_back({{"what", p.what}, {"base", p.base}, {"head", p.head}});
+    const RadiosityDifference& r = c.radiosity;
+    const json all = {{"format", "rro-comparison/1"},
+                      {"scene", c.scene},
+                      {"base", c.options.base.string()},
+                      {"head", c.options.head.string()},
+                      {"runs", c.options.runs},
+                      {"seconds", times},
+                      {"sizes", sizes},
+                      {"estimated_error", {{"base", number(c.base_error)}, {"head", number(c.head_error)}}},
+                      {"radiosity",
+                       {{"relative_rms", number(r.relative_rms)},
+                        {"largest", number(r.largest)},
+                        {"instance", r.instance},
+                        {"triangle", r.triangle},
+                        {"worst_instance", r.worst_instance},
+                        {"worst_relative_rms", number(r.worst_relative_rms)},
+                        {"unmatched", r.unmatched}}},
+                      {"too_slow", c.too_slow},
+                      {"too_different", c.too_different},
+                      {"passed", c.passed()}};
+    return all.dump(2, ' ', false, json::error_handler_t::replace) + "\n";
+}
+
+std::string comparison_markdown(const Comparison& c) {
+    const PhaseTimes& total = c.times.back();
+    std::string text = "### `" + c.scene + "`: `" + c.options.base.string() + "` to `" + c.options.head.string() + "`\n\n";
+    text += line("**Total time x %.3f (%s)**, %d runs each, interleaved. ", total.ratio, name_of(total.verdict),
+                 c.options.runs);
+    text += radiosity_sentence(c.radiosity) + "\n\n";
+    for (const std::string& gate : gates(c)) text += "- " + gate + "\n";
+    text += "\n| seconds | base | head | ratio | from - to | verdict |\n|---|---:|---:|---:|---:|---|\n";
+    for (const PhaseTimes& t : c.times)
+        text += line("| %s | %.4f | %.4f | %.3f | %.3f - %.3f | %s |\n", t.phase.c_str(), t.base, t.head, t.ratio, t.low,
+                     t.high, name_of(t.verdict));
+    text += "\n| | base | head | change |\n|---|---:|---:|---:|\n";
+    for (const Pairing& p : c.sizes)
+        text += line("| %s | %llu | %llu | %+.1f %% |\n", p.what.c_str(), count(p.base), count(p.head), change_percent(p));
+    return text + line("| estimated error | %.3g | %.3g | |\n", c.base_error, c.head_error);
+}
+
+}  // namespace rro
