@@ -9,6 +9,8 @@
 #include "format/tool/program.h"
 #include "format/version.h"
 #include "solver/arguments.h"
+#include "solver/edit/edit_arguments.h"
+#include "solver/edit/manifest_edit.h"
 #include "solver/explain.h"
 #include "solver/factors/factors_output.h"
 #include "solver/output/output.h"
@@ -24,6 +26,9 @@ constexpr const char* kExamples =
     "  rro-solve run room.json --radiosity room.csv --report room.report.json --accuracy 0.05\n"
     "  rro-solve run room.json --method reference --radiosity truth.csv\n"
     "  rro-solve explain room.json\n"
+    "  rro-solve place room.json chair library/chair.rro --translate 2.7,0,3 --rotate 0,1,0,186\n"
+    "  rro-solve move room.json chair --translate 2.2,0,3\n"
+    "  rro-solve delete room.json chair\n"
     "  rro-solve factors room.json --out factors.csv\n"
     "  rro-solve factors room.json --out factors.json --by material --accuracy 1e-4 --report factors.report.json\n"
     "Exit codes: 0 done, 1 the work failed or the accuracy was not met, 2 wrong usage, 3 bad input, 4 internal error,\n"
@@ -39,6 +44,9 @@ struct Arguments {
     EffectOverrides overrides;
     bool quiet = false, verbose = false, json = false;
     std::string by, sides = "front";
+    std::string name;
+    std::filesystem::path archive;
+    TransformOptions transform;
     std::optional<double> threshold;
     bool close = false;
 };
@@ -80,6 +88,30 @@ void declare_run(CLI::App& run, Arguments& a) {
     run.add_option("--samples", a.samples, "Paths per triangle (reference); 0: as --accuracy needs")->type_name("N");
     run.add_option("--seed", a.seed, "Seed of all random choices")->type_name("N")->capture_default_str();
     run.add_option("--memory", a.memory, "Most memory to use (default: 8G or ulimit -v)")->type_name("8G");
+}
+
+void declare_transform(CLI::App& command, Arguments& a) {
+    command.add_option("--translate", a.transform.translate, "Where to, in metres")->type_name("x,y,z");
+    command.add_option("--rotate", a.transform.rotate, "Axis and degrees, right-handed")->type_name("ax,ay,az,deg");
+    command.add_option("--scale", a.transform.scale, "One factor, or one per axis; before the rotation")->type_name("s|x,y,z");
+    command.add_option("--matrix", a.transform.matrix, "The whole transform: 16 numbers, row by row")
+        ->expected(1, 16)
+        ->type_name("m");
+}
+
+/// place, move and delete.
+void declare_edits(CLI::App& app, Arguments& a) {
+    const auto declare = [&](const char* name, const char* help) {
+        CLI::App* command = app.add_subcommand(name, help);
+        declare_common(*command, a);
+        command->add_option("name", a.name, "Name of the instance")->required()->type_name("NAME");
+        return command;
+    };
+    CLI::App* place = declare("place", "Place an archive in a manifest");
+    place->add_option("archive", a.archive, "Relative to the working folder")->required()->type_name("ARCHIVE");
+    declare_transform(*place, a);
+    declare_transform(*declare("move", "Replace parts of an instance's transform; the others stay"), a);
+    declare("delete", "Take an instance out of a manifest");
 }
 
 Status check_accuracy(const Arguments& a) {
@@ -375,6 +407,21 @@ int factors(const Arguments& a) {
     return 0;
 }
 
+Status edit_manifest(const Arguments& a, const std::string& command) {
+    const auto transform = parse_transform(a.transform);
+    if (!transform) return transform.error();
+    if (command == "move" && transform->empty())
+        return Error{ErrorKind::Usage, "", "move: expected --translate, --rotate, --scale or --matrix", ""};
+    const DeferInterrupts until_written;
+    if (command == "place") return place_in_file(a.scene, a.name, a.archive, *transform);
+    return command == "move" ? move_in_file(a.scene, a.name, *transform) : delete_in_file(a.scene, a.name);
+}
+
+int edit(const Arguments& a, const std::string& command) {
+    const auto edited = edit_manifest(a, command);
+    return edited ? 0 : report_error(kProgram, edited.error());
+}
+
 int main_with(int argc, char** argv) {
     Arguments arguments;
     CLI::App app("Solves scenes of reusable radiosity objects.", kProgram);
@@ -389,6 +436,7 @@ int main_with(int argc, char** argv) {
     explain_command->add_flag("--json", arguments.json, "As JSON");
     CLI::App* factors_command = app.add_subcommand("factors", "View factors between instances, materials or groups");
     declare_factors(*factors_command, arguments);
+    declare_edits(app, arguments);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
@@ -397,6 +445,8 @@ int main_with(int argc, char** argv) {
     }
     set_thread_count(arguments.threads);
     if (factors_command->parsed()) return factors(arguments);
+    for (const char* command : {"place", "move", "delete"})
+        if (app.got_subcommand(command)) return edit(arguments, command);
     return run_command->parsed() ? run(arguments) : explain(arguments);
 }
 
