@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
+#include <iostream>
 #include <optional>
 
 #include "format/parallel.h"
@@ -10,6 +11,7 @@
 #include "format/version.h"
 #include "solver/arguments.h"
 #include "solver/edit/edit_arguments.h"
+#include "solver/edit/live.h"
 #include "solver/edit/manifest_edit.h"
 #include "solver/explain.h"
 #include "solver/factors/factors_output.h"
@@ -29,6 +31,7 @@ constexpr const char* kExamples =
     "  rro-solve place room.json chair library/chair.rro --translate 2.7,0,3 --rotate 0,1,0,186\n"
     "  rro-solve move room.json chair --translate 2.2,0,3\n"
     "  rro-solve delete room.json chair\n"
+    "  echo '{\"op\":\"move\",\"name\":\"chair\",\"transform\":{\"translate\":[2,0,3]}}' | rro-solve live room.json\n"
     "  rro-solve factors room.json --out factors.csv\n"
     "  rro-solve factors room.json --out factors.json --by material --accuracy 1e-4 --report factors.report.json\n"
     "Exit codes: 0 done, 1 the work failed or the accuracy was not met, 2 wrong usage, 3 bad input, 4 internal error,\n"
@@ -112,6 +115,13 @@ void declare_edits(CLI::App& app, Arguments& a) {
     declare_transform(*place, a);
     declare_transform(*declare("move", "Replace parts of an instance's transform; the others stay"), a);
     declare("delete", "Take an instance out of a manifest");
+}
+
+void declare_live(CLI::App& live, Arguments& a) {
+    declare_shared(live, a);
+    live.add_option("--visibility", a.visibility, "auto, atlas, tables, rays or none")->type_name("HOW")->capture_default_str();
+    live.add_option("--seed", a.seed, "Seed of all random choices")->type_name("N")->capture_default_str();
+    live.add_option("--memory", a.memory, "Most memory to use (default: 8G or ulimit -v)")->type_name("8G");
 }
 
 Status check_accuracy(const Arguments& a) {
@@ -422,6 +432,17 @@ int edit(const Arguments& a, const std::string& command) {
     return edited ? 0 : report_error(kProgram, edited.error());
 }
 
+int live(const Arguments& a) {
+    const auto job = job_of(a);
+    if (!job) return report_error(kProgram, job.error());
+    auto session = LiveSession::open(a.scene, {job->solve, job->memory});
+    if (!session) return report_error(kProgram, session.error());
+    if (!a.quiet)
+        for (const std::string& warning : session->solution()->warnings) report_warning(kProgram, warning);
+    serve(*session, std::cin, std::cout);
+    return 0;
+}
+
 int main_with(int argc, char** argv) {
     Arguments arguments;
     CLI::App app("Solves scenes of reusable radiosity objects.", kProgram);
@@ -437,6 +458,7 @@ int main_with(int argc, char** argv) {
     CLI::App* factors_command = app.add_subcommand("factors", "View factors between instances, materials or groups");
     declare_factors(*factors_command, arguments);
     declare_edits(app, arguments);
+    declare_live(*app.add_subcommand("live", "Keep a scene in memory and answer edits, one JSON object per line"), arguments);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
@@ -445,6 +467,7 @@ int main_with(int argc, char** argv) {
     }
     set_thread_count(arguments.threads);
     if (factors_command->parsed()) return factors(arguments);
+    if (app.got_subcommand("live")) return live(arguments);
     for (const char* command : {"place", "move", "delete"})
         if (app.got_subcommand(command)) return edit(arguments, command);
     return run_command->parsed() ? run(arguments) : explain(arguments);
