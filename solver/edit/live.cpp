@@ -355,6 +355,8 @@ struct LiveSession::Parts {
         const std::string op = request["op"].get<std::string>();
         const ManifestText text{path, now.text};
         const std::string name = request.value("name", "");
+        if (request.value("file", "").find('\0') != std::string::npos)
+            return bad_input("request: /file", "a path cannot hold a NUL character");
         if (op == "place")
             return edit(request, with_instance(text, {name, text_of(request, "archive"), text_of(request, "transform"),
                                                       text_of(request, "materials")}), now.scales);

@@ -7,6 +7,8 @@
 #include <sstream>
 
 #include "compiler/compile_object.h"
+#include "format/tool/json_document.h"
+#include "schemas/live_schema.h"
 #include "tests/scene/scene_files.h"
 #include "tests/support/meshes.h"
 
@@ -37,10 +39,19 @@ class LiveFiles : public SceneFiles {
     }
 };
 
+/// One of the schema's definitions, as a schema.
+std::string definition(const char* name) {
+    const json all = json::parse(live_schema);
+    json schema = all["definitions"][name];
+    schema["definitions"] = all["definitions"];
+    return schema.dump();
+}
+
 json ask(LiveSession& session, const json& request) {
+    static const JsonSchema reply_schema(definition("reply")), refusal_schema(definition("refusal"));
     const json reply = json::parse(session.answer(request.dump()));
     INFO(request.dump() << " -> " << reply.dump());
-    CHECK(reply.contains("ok"));
+    CHECK((reply["ok"] == true ? reply_schema : refusal_schema).check(reply, "reply"));
     return reply;
 }
 
@@ -169,6 +180,7 @@ TEST_CASE("what cannot be done is answered and changes nothing", "[live]") {
     refused(R"({"op":"picture","file":"/none/x.png"})", "/none");
     refused(R"({"op":"picture","file":"x.png","camera":{"position":[0,0,0],"target":[0,0,0]}})", "target");
     refused(R"({"op":"save","file":"/none/x.json"})", "/none");
+    refused(R"({"op":"save","file":"x\u0000y"})", "NUL");
     refused("{\"op\":\"move\",\"name\":\"" + std::string(1 << 20, 'x') + "\",\"transform\":{}}", "no instance");
     std::string singular = R"({"op":"move","name":"low","transform":{"matrix":[0,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]}})";
     refused(singular, "singular");
