@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
+#include <iostream>
 #include <optional>
 
 #include "format/atomic_file.h"
@@ -10,6 +11,9 @@
 #include "format/tool/program.h"
 #include "format/version.h"
 #include "solver/arguments.h"
+#include "solver/edit/edit_arguments.h"
+#include "solver/edit/live.h"
+#include "solver/edit/manifest_edit.h"
 #include "solver/explain.h"
 #include "solver/factors/factors_output.h"
 #include "solver/output/output.h"
@@ -27,6 +31,10 @@ constexpr const char* kExamples =
     "  rro-solve run room.json --method reference --radiosity truth.csv\n"
     "  rro-solve run room.json --method hierarchical --accuracy 0.1 --report classic.json\n"
     "  rro-solve explain room.json\n"
+    "  rro-solve place room.json chair library/chair.rro --translate 2.7,0,3 --rotate 0,1,0,186\n"
+    "  rro-solve move room.json chair --translate 2.2,0,3\n"
+    "  rro-solve delete room.json chair\n"
+    "  echo '{\"op\":\"move\",\"name\":\"chair\",\"transform\":{\"translate\":[2,0,3]}}' | rro-solve live room.json\n"
     "  rro-solve factors room.json --out factors.csv\n"
     "  rro-solve factors room.json --out factors.json --by material --accuracy 1e-4 --report factors.report.json\n"
     "  rro-solve compare room.json --base library-1.0 --head library-1.1 --fail-if-slower 1.1 --markdown change.md\n"
@@ -43,6 +51,9 @@ struct Arguments {
     EffectOverrides overrides;
     bool quiet = false, verbose = false, json = false;
     std::string by, sides = "front";
+    std::string name;
+    std::filesystem::path archive;
+    TransformOptions transform;
     std::optional<double> threshold;
     bool close = false;
     CompareOptions compare;
@@ -86,6 +97,37 @@ void declare_run(CLI::App& run, Arguments& a) {
     run.add_option("--samples", a.samples, "Paths per triangle (reference); 0: as --accuracy needs")->type_name("N");
     run.add_option("--seed", a.seed, "Seed of all random choices")->type_name("N")->capture_default_str();
     run.add_option("--memory", a.memory, "Most memory to use (default: 8G or ulimit -v)")->type_name("8G");
+}
+
+void declare_transform(CLI::App& command, Arguments& a) {
+    command.add_option("--translate", a.transform.translate, "Where to, in metres")->type_name("x,y,z");
+    command.add_option("--rotate", a.transform.rotate, "Axis and degrees, right-handed")->type_name("ax,ay,az,deg");
+    command.add_option("--scale", a.transform.scale, "One factor, or one per axis; before the rotation")->type_name("s|x,y,z");
+    command.add_option("--matrix", a.transform.matrix, "The whole transform: 16 numbers, row by row")
+        ->expected(1, 16)
+        ->type_name("m");
+}
+
+/// place, move and delete.
+void declare_edits(CLI::App& app, Arguments& a) {
+    const auto declare = [&](const char* name, const char* help) {
+        CLI::App* command = app.add_subcommand(name, help);
+        declare_common(*command, a);
+        command->add_option("name", a.name, "Name of the instance")->required()->type_name("NAME");
+        return command;
+    };
+    CLI::App* place = declare("place", "Place an archive in a manifest");
+    place->add_option("archive", a.archive, "Relative to the working folder")->required()->type_name("ARCHIVE");
+    declare_transform(*place, a);
+    declare_transform(*declare("move", "Replace parts of an instance's transform; the others stay"), a);
+    declare("delete", "Take an instance out of a manifest");
+}
+
+void declare_live(CLI::App& live, Arguments& a) {
+    declare_shared(live, a);
+    live.add_option("--visibility", a.visibility, "auto, atlas, tables, rays or none")->type_name("HOW")->capture_default_str();
+    live.add_option("--seed", a.seed, "Seed of all random choices")->type_name("N")->capture_default_str();
+    live.add_option("--memory", a.memory, "Most memory to use (default: 8G or ulimit -v)")->type_name("8G");
 }
 
 Status check_accuracy(const Arguments& a) {
@@ -448,6 +490,32 @@ int compare(const Arguments& a) {
                                              " than the threshold allows"));
 }
 
+Status edit_manifest(const Arguments& a, const std::string& command) {
+    const auto transform = parse_transform(a.transform);
+    if (!transform) return transform.error();
+    if (command == "move" && transform->empty())
+        return Error{ErrorKind::Usage, "", "move: expected --translate, --rotate, --scale or --matrix", ""};
+    const DeferInterrupts until_written;
+    if (command == "place") return place_in_file(a.scene, a.name, a.archive, *transform);
+    return command == "move" ? move_in_file(a.scene, a.name, *transform) : delete_in_file(a.scene, a.name);
+}
+
+int edit(const Arguments& a, const std::string& command) {
+    const auto edited = edit_manifest(a, command);
+    return edited ? 0 : report_error(kProgram, edited.error());
+}
+
+int live(const Arguments& a) {
+    const auto job = job_of(a);
+    if (!job) return report_error(kProgram, job.error());
+    auto session = LiveSession::open(a.scene, {job->solve, job->memory});
+    if (!session) return report_error(kProgram, session.error());
+    if (!a.quiet)
+        for (const std::string& warning : session->solution()->warnings) report_warning(kProgram, warning);
+    serve(*session, std::cin, std::cout);
+    return 0;
+}
+
 int main_with(int argc, char** argv) {
     Arguments arguments;
     CLI::App app("Solves scenes of reusable radiosity objects.", kProgram);
@@ -464,6 +532,8 @@ int main_with(int argc, char** argv) {
     declare_factors(*factors_command, arguments);
     CLI::App* compare_command = app.add_subcommand("compare", "Compare two versions of a scene's archives: time and result");
     declare_compare(*compare_command, arguments);
+    declare_edits(app, arguments);
+    declare_live(*app.add_subcommand("live", "Keep a scene in memory and answer edits, one JSON object per line"), arguments);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
@@ -473,6 +543,9 @@ int main_with(int argc, char** argv) {
     set_thread_count(arguments.threads);
     if (factors_command->parsed()) return factors(arguments);
     if (compare_command->parsed()) return compare(arguments);
+    if (app.got_subcommand("live")) return live(arguments);
+    for (const char* command : {"place", "move", "delete"})
+        if (app.got_subcommand(command)) return edit(arguments, command);
     return run_command->parsed() ? run(arguments) : explain(arguments);
 }
 

@@ -266,24 +266,15 @@ std::vector<GroupEntry> read_groups(const json& document) {
     return groups;
 }
 
-}  // namespace
-
-bool is_usable_power(double power) {
-    constexpr double smallest = 1e-30, largest = 1e30;
-    return power == 0 || (power >= smallest && power <= largest);
-}
-
-Result<Manifest> read_manifest(const std::filesystem::path& path) {
+Result<Manifest> manifest_of(const json& document, const std::filesystem::path& path) {
     const std::string name = path.string();
-    auto document = read_json(path);
-    if (!document) return document.error();
     static const JsonSchema schema(scene_schema);
-    if (auto fits = schema.check(*document, name); !fits) return fits.error();
+    if (auto fits = schema.check(document, name); !fits) return fits.error();
 
     Manifest manifest;
     manifest.path = path;
     std::map<std::string, std::size_t> names;
-    const json& instances = (*document)["instances"];
+    const json& instances = document["instances"];
     for (std::size_t i = 0; i < instances.size(); ++i) {
         const std::string where = name + ": /instances/" + std::to_string(i);
         auto entry = read_instance(instances[i], path.parent_path(), where);
@@ -294,15 +285,34 @@ Result<Manifest> read_manifest(const std::filesystem::path& path) {
                                                   std::to_string(first->second) + " already; expected another");
         manifest.instances.push_back(std::move(*entry));
     }
-    if (document->contains("camera")) {
-        auto camera = read_camera((*document)["camera"], name + ": /camera");
+    if (document.contains("camera")) {
+        auto camera = read_camera(document["camera"], name + ": /camera");
         if (!camera) return camera.error();
         manifest.camera = *camera;
     }
-    if (auto lights = read_lights(*document, name, path.parent_path(), manifest); !lights) return lights.error();
-    manifest.groups = read_groups(*document);
-    if (document->contains("accuracy")) manifest.accuracy = (*document)["accuracy"].get<double>();
+    if (auto lights = read_lights(document, name, path.parent_path(), manifest); !lights) return lights.error();
+    manifest.groups = read_groups(document);
+    if (document.contains("accuracy")) manifest.accuracy = document["accuracy"].get<double>();
     return manifest;
+}
+
+}  // namespace
+
+bool is_usable_power(double power) {
+    constexpr double smallest = 1e-30, largest = 1e30;
+    return power == 0 || (power >= smallest && power <= largest);
+}
+
+Result<Manifest> read_manifest(const std::filesystem::path& path) {
+    auto document = read_json(path);
+    if (!document) return document.error();
+    return manifest_of(*document, path);
+}
+
+Result<Manifest> parse_manifest(std::string_view text, const std::filesystem::path& path) {
+    auto document = parse_json(text, path.string());
+    if (!document) return document.error();
+    return manifest_of(*document, path);
 }
 
 }  // namespace rro

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -89,5 +90,8 @@ bool is_usable_power(double power);
 ///          unknown key, wrong type, repeated or empty name, `/` in a name, singular or ill-conditioned transform, a
 ///          value out of range, a direction of no length, a light with a key that its type lacks or without one it needs
 Result<Manifest> read_manifest(const std::filesystem::path& path);
+
+/// The same from text at hand; `path` is where it stands or would stand.
+Result<Manifest> parse_manifest(std::string_view text, const std::filesystem::path& path);
 
 }  // namespace rro

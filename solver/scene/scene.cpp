@@ -25,6 +25,13 @@ std::string place_of(const Manifest& manifest, std::size_t instance, const std::
     return json_place(manifest.path.string(), "/instances/" + std::to_string(instance) + key);
 }
 
+using OpenedObjects = std::span<const std::shared_ptr<const Object>>;
+
+std::shared_ptr<const Object> find_opened(OpenedObjects opened, const std::filesystem::path& path) {
+    const auto at = std::find_if(opened.begin(), opened.end(), [&](const auto& object) { return object->path == path; });
+    return at == opened.end() ? nullptr : *at;
+}
+
 /// Archives of a manifest, each once, in the order of first use; index[i] is that of instance i.
 struct ArchiveFiles {
     std::vector<std::filesystem::path> paths;
@@ -32,7 +39,7 @@ struct ArchiveFiles {
     std::vector<std::size_t> index;
 };
 
-Result<ArchiveFiles> archive_files(const Manifest& manifest) {
+Result<ArchiveFiles> archive_files(const Manifest& manifest, OpenedObjects opened) {
     ArchiveFiles files;
     std::map<std::filesystem::path, std::size_t> by_name, by_file;  // one file may have several names
     for (std::size_t i = 0; i < manifest.instances.size(); ++i) {
@@ -40,7 +47,8 @@ Result<ArchiveFiles> archive_files(const Manifest& manifest) {
         auto known = by_name.find(name);
         if (known == by_name.end()) {
             std::error_code code;
-            const auto canonical = std::filesystem::canonical(name, code);
+            // What is open stays usable when its file is gone.
+            const auto canonical = find_opened(opened, name) ? name : std::filesystem::canonical(name, code);
             if (code)
                 return bad_input(place_of(manifest, i, "/archive"),
                                  name.string() + ": " + code.message() +
@@ -73,34 +81,37 @@ Status check_tables(const Archive& archive, SectionSet wanted, const std::filesy
     return Done{};
 }
 
-Result<std::unique_ptr<Object>> open_object(const std::filesystem::path& path, SectionSet wanted) {
+Result<std::shared_ptr<const Object>> open_object(const std::filesystem::path& path, SectionSet wanted) {
     auto archive = Archive::open(path, wanted);
     if (!archive) return archive.error();
     if (auto checked = check_tables(*archive, wanted, path); !checked) return checked.error();
-    return make_object(path, std::move(*archive));
+    return std::shared_ptr<const Object>(make_object(path, std::move(*archive)));
 }
 
 /// Opens several at a time; of several errors the first in the manifest is given.
-Result<std::vector<std::unique_ptr<Object>>> open_objects(const Manifest& manifest, const ArchiveFiles& files,
-                                                          SectionSet wanted) {
-    std::vector<std::optional<Result<std::unique_ptr<Object>>>> opened(files.paths.size());
-    parallel_for(opened.size(), 1, [&](std::size_t i) { opened[i].emplace(open_object(files.paths[i], wanted)); });
-    std::vector<std::unique_ptr<Object>> objects;
-    for (std::size_t i = 0; i < opened.size(); ++i) {
-        if (!*opened[i]) {
-            Error error = opened[i]->error();
+Result<std::vector<std::shared_ptr<const Object>>> open_objects(const Manifest& manifest, const ArchiveFiles& files,
+                                                                SectionSet wanted, OpenedObjects opened) {
+    std::vector<std::optional<Result<std::shared_ptr<const Object>>>> found(files.paths.size());
+    parallel_for(found.size(), 1, [&](std::size_t i) {
+        auto object = find_opened(opened, files.paths[i]);
+        found[i].emplace(object ? std::move(object) : open_object(files.paths[i], wanted));
+    });
+    std::vector<std::shared_ptr<const Object>> objects;
+    for (std::size_t i = 0; i < found.size(); ++i) {
+        if (!*found[i]) {
+            Error error = found[i]->error();
             if (!error.where.empty()) error.message = error.where + ": " + error.message;
             error.where = place_of(manifest, files.first_instance[i], "/archive");
             return error;
         }
-        objects.push_back(std::move(**opened[i]));
+        objects.push_back(std::move(**found[i]));
     }
     return objects;
 }
 
 /// Compares the `content` pins with the files' hashes, each computed at most once.
 Status check_pins(const Manifest& manifest, const ArchiveFiles& files,
-                  const std::vector<std::unique_ptr<Object>>& objects) {
+                  const std::vector<std::shared_ptr<const Object>>& objects) {
     std::vector<std::string> hashes(objects.size());
     for (std::size_t i = 0; i < manifest.instances.size(); ++i) {
         const std::string& pin = manifest.instances[i].content;
@@ -251,10 +262,10 @@ std::unique_ptr<Object> make_object(std::filesystem::path path, Archive archive)
     return object;
 }
 
-Result<Scene> open_scene(Manifest manifest, SectionSet wanted) {
-    auto files = archive_files(manifest);
+Result<Scene> open_scene(Manifest manifest, SectionSet wanted, std::span<const std::shared_ptr<const Object>> opened) {
+    auto files = archive_files(manifest, opened);
     if (!files) return files.error();
-    auto objects = open_objects(manifest, *files, wanted);
+    auto objects = open_objects(manifest, *files, wanted, opened);
     if (!objects) return objects.error();
     if (auto pinned = check_pins(manifest, *files, *objects); !pinned) return pinned.error();
 

@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -60,7 +61,7 @@ struct Instance {
 
 struct Scene {
     Manifest manifest;
-    std::vector<std::unique_ptr<Object>> objects;
+    std::vector<std::shared_ptr<const Object>> objects;  // in the order of first use
     std::vector<Instance> instances;   // in manifest order
     Box3 bounds;                       // world
     std::optional<Sky> sky;            // none where it is dark, and so on: what is here has an effect
@@ -79,9 +80,11 @@ struct Scene {
 /// Opens every archive once (several at a time), checks `content` pins, resolves materials, builds ray structures.
 ///
 /// wanted   what will be used of the archives; the rest is not unpacked
+/// opened   objects at hand, opened with no less than what is wanted: an archive whose path is one of theirs is not read again
 /// errors   BadInput naming manifest, instance and archive: missing or refused archive, one without the tables that are
 ///          wanted, wrong content, a material the archive lacks (lists those there are), a transmittance on one-sided
 ///          triangles or one that exceeds 1 with the reflectance; a picture of the sky or a photometric file that cannot be used
-Result<Scene> open_scene(Manifest manifest, SectionSet wanted = kGeometry | kTables | Section::Source);
+Result<Scene> open_scene(Manifest manifest, SectionSet wanted = kGeometry | kTables | Section::Source,
+                         std::span<const std::shared_ptr<const Object>> opened = {});
 
 }  // namespace rro

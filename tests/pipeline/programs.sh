@@ -170,6 +170,36 @@ for how in rays atlas tables none; do
 done
 cmp high.csv rays.csv || fail "--visibility auto is rays"
 
+# Edits: one value changes, the rest of the file stays; what cannot be done leaves it alone.
+scene 0 > edit.json
+"$solve" place edit.json "second box" library/box.rro --translate -.5,0,2 --scale 0.1
+grep -q '"archive": "library/box.rro", "transform": { "translate": \[-0.5, 0, 2\], "scale": 0.1 }' edit.json || fail "place: $(cat edit.json)"
+"$solve" move edit.json "second box" --translate 1,0,2
+grep -q '"translate": \[1, 0, 2\], "scale": 0.1' edit.json || fail "move: $(cat edit.json)"
+"$solve" run edit.json --radiosity placed.csv --quiet
+cp edit.json before.json
+refused "a name that is not there" 'did you mean "second box"' "$solve" move edit.json "secnd box" --scale 2
+refused "a singular transform" 'singular' "$solve" move edit.json "second box" --scale 0
+refused "no archive to place" 'none.rro' "$solve" place edit.json third none.rro
+refused "no such manifest" 'none.json' "$solve" delete none.json third
+cmp edit.json before.json || fail "a refused edit changed the manifest"
+status=0
+"$solve" move edit.json "second box" --translate 1,2 2> stderr.txt || status=$?
+[ "$status" -eq 2 ] || fail "--translate 1,2: exit code $status, expected 2"
+"$solve" delete edit.json "second box"
+scene 0 | cmp - edit.json || fail "placing and deleting changed other bytes"
+
+# Live: one reply a line, the same light as a run; the end of input ends it.
+printf '%s\n' '{"op":"move","id":7,"name":"box","transform":{"translate":[0,0.5,0],"scale":0.2}}' 'nonsense' \
+    '{"op":"save","file":"live.json"}' '{"op":"radiosity","name":"box","file":"live.csv"}' | "$solve" live scene.json > replies.txt
+[ "$(wc -l < replies.txt)" -eq 5 ] || fail "live: $(cat replies.txt)"
+head -1 replies.txt | grep -q '"event":"ready"' || fail "live: $(cat replies.txt)"
+grep -q '"id":7.*"ok":true' replies.txt || fail "live: $(cat replies.txt)"
+[ "$(grep -c '"ok":false' replies.txt)" -eq 1 ] || fail "live: $(cat replies.txt)"
+"$solve" run live.json --radiosity run.csv --quiet
+grep -v '^lamp,' run.csv | cmp - live.csv || fail "live and run differ"
+refused "live without a manifest" 'none.json' "$solve" live none.json
+
 # Bad input.
 : > empty.obj
 printf 'v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' > nan.obj
