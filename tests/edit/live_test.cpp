@@ -247,7 +247,7 @@ TEST_CASE("archives are loaded once: an edit needs no file", "[live]") {
 TEST_CASE("undo keeps within its memory", "[live]") {
     LiveFiles files;
     LiveOptions options;
-    options.history_bytes = 100000;  // some states of two boxes
+    options.history_bytes = 20000;  // some states of two boxes
     LiveSession session = files.open_live(options);
     for (int i = 0; i < 60; ++i)
         done(session, {{"op", "move"}, {"name", "low"}, {"transform", {{"translate", {0.1 * i, 0, 0}}}}});

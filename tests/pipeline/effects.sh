@@ -39,19 +39,27 @@ close() {
 
 # A uniform sky over a plate: E = pi L on both sides; what is let through adds to the other side.
 reference=(--method reference --samples 16 --quiet --radiosity out.csv)
+reusable=(--accuracy 0.02 --quiet --radiosity out.csv)
 scene plate '"reflectance": [0.3, 0.3, 0.3], "transmittance": [0.5, 0, 0]' ', "sky": { "radiance": [1, 1, 1], "ground": true }' > sky.json
 "$solve" run sky.json "${reference[@]}"
 close out.csv 3 0.942478   # front: 0.3 pi
 close out.csv 9 1.570796   # back: 0.5 pi
 close out.csv 10 0
+"$solve" run sky.json "${reusable[@]}"
+close out.csv 3 0.942478
+close out.csv 9 1.570796
 # The sun at 60 degrees: half of its irradiance.
 scene plate '"reflectance": [0.5, 0.5, 0.5]' ', "sun": { "direction": [0.8660254037844386, -0.5, 0], "irradiance": [100, 80, 60], "angular_diameter": 0 }' > sun.json
 "$solve" run sun.json "${reference[@]}"
 close out.csv 6 50
 close out.csv 7 40
+"$solve" run sun.json "${reusable[@]}"
+close out.csv 6 50
 # A closed room gets exactly nothing, and neither does anything behind an endless medium.
 scene room '"reflectance": [0.5, 0.5, 0.5]' ', "sky": { "radiance": [1, 1, 1] }, "sun": { "direction": [0.1, -1, 0.2], "irradiance": [9, 9, 9] }' > closed.json
 "$solve" run closed.json "${reference[@]}"
+awk -F, 'NR > 1 && ($3 != 0 || $6 != 0) { exit 1 }' out.csv || fail "a closed room has light: $(tail -1 out.csv)"
+"$solve" run closed.json "${reusable[@]}"
 awk -F, 'NR > 1 && ($3 != 0 || $6 != 0) { exit 1 }' out.csv || fail "a closed room has light: $(tail -1 out.csv)"
 sed 's/}$/, "medium": { "absorption": [0.1, 0.1, 0] } }/' sky.json > fog.json
 "$solve" run fog.json "${reference[@]}"
@@ -76,7 +84,8 @@ ends "no light" 0 "nothing gives light" "$solve" run dark.json --radiosity out.c
 close out.csv 3 0
 
 # What cannot be.
-ends "an effect that the method lacks" 2 "sky: --method reusable does not support it" "$solve" run sky.json
+ends "an effect that the method lacks" 2 "sky: --method hierarchical does not support it" "$solve" run sky.json --method hierarchical
+ends "a medium of its own colour" 2 "medium: --method reusable does not support one" "$solve" run fog.json
 scene room '"transmittance": [0.1, 0.1, 0.1]' '' > bad.json
 ends "transmittance of one side" 3 'bad.json: /instances/0/materials: material "default" of room.rro has a transmittance' "$solve" run bad.json
 scene plate '"reflectance": [0.6, 0.5, 0.5], "transmittance": [0.4, 0, 0]' '' > bad.json
