@@ -1,7 +1,6 @@
 #include "compiler/inward_shells.h"
 
 #include <algorithm>
-#include <numeric>
 
 #include "compiler/surface.h"
 

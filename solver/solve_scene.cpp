@@ -13,6 +13,8 @@ namespace rro {
 namespace {
 
 constexpr double kDefaultAccuracy = 0.02;
+// What the classic method and the paper's plain transport lack: they know surfaces that emit and reflect.
+constexpr const char* kNotBetweenSurfaces[] = {"sky", "sun", "lights", "transmission", "medium"};
 
 // For the estimate of memory: the program itself, before any scene. A face has its solution and the solver's state; a
 // patch, tables of light per direction and its share of the links (measured: 3500 bytes at accuracy 0.05, patches of
@@ -91,6 +93,10 @@ Result<Solution> solve_by_method(const Scene& scene, const Plan& plan, const Sol
     const bool plain = options.transport == Transport::Plain;
     if (plain && (options.visibility == VisibilityMethod::Atlas || options.visibility == VisibilityMethod::Tables))
         return usage("--visibility atlas and tables are for --transport directional");
+    if (plain)
+        for (const char* effect : kNotBetweenSurfaces)
+            if (plan.on(effect))
+                return usage(std::string(effect) + ": --transport plain does not support it; leave it out with --without " + effect);
     return (plain ? solve_plain : solve_reusable)(scene, plan, transport, progress);
 }
 
@@ -155,7 +161,7 @@ double accuracy_of(const Scene& scene, std::optional<double> asked) {
 std::vector<std::string> unsupported(const Scene& scene, const Plan& plan, Method method) {
     std::vector<std::string> effects;
     if (method == Method::Hierarchical)
-        for (const char* effect : {"sky", "sun", "lights", "transmission", "medium"})
+        for (const char* effect : kNotBetweenSurfaces)
             if (plan.on(effect)) effects.push_back(effect);
     const Vec3 absorption = scene.medium ? scene.medium->absorption : Vec3{};
     const bool coloured = !(absorption.x == absorption.y && absorption.y == absorption.z);

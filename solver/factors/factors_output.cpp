@@ -9,6 +9,7 @@
 
 #include "format/atomic_file.h"
 #include "format/parallel.h"
+#include "solver/output/csv_field.h"
 
 namespace rro {
 namespace {
@@ -16,17 +17,6 @@ namespace {
 using nlohmann::json;
 
 constexpr std::size_t kRowsAtATime = 64;  // formatted in memory, before they go to the file
-
-/// RFC 4180: quotes only where the text has a comma, a quote or a line break; quotes inside are doubled.
-std::string csv_field(std::string_view text) {
-    if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);
-    std::string out = "\"";
-    for (const char c : text) {
-        if (c == '"') out += '"';
-        out += c;
-    }
-    return out + '"';
-}
 
 /// The shortest text that reads back as the same number.
 template <class Number>

@@ -10,6 +10,7 @@
 #include "format/atomic_file.h"
 #include "format/parallel.h"
 #include "solver/output/output.h"
+#include "solver/output/csv_field.h"
 
 namespace rro {
 namespace {
@@ -17,17 +18,6 @@ namespace {
 constexpr int kDigits = 9;             // enough to give back every float
 constexpr std::size_t kRowsAtATime = 8192;
 constexpr std::size_t kBytesPerRow = 128;  // a usual row; only to reserve
-
-/// RFC 4180: quotes only where the text has a comma, a quote or a line break; quotes inside are doubled.
-std::string csv_field(std::string_view text) {
-    if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);
-    std::string out = "\"";
-    for (const char c : text) {
-        if (c == '"') out += '"';
-        out += c;
-    }
-    return out + '"';
-}
 
 void append_integer(std::string& out, std::uint32_t value) {
     std::array<char, 16> text;

@@ -60,6 +60,9 @@ double harm(const Guide& guide, const Nodes& nodes, std::uint32_t to, std::uint3
 /// The same for an error of irradiance in W/m^2 over a part of `to` of this area.
 double harm_to_part(const Guide& guide, const Nodes& nodes, std::uint32_t to, double area, double error);
 
+/// How much of a shadow's edge within one face counts: it does not move the face's mean.
+inline constexpr double kShadowWithinFace = 0.12;
+
 /// How far errors of links at one node agree in sign.
 inline constexpr double kAgreement = 0.25;
 

@@ -6,6 +6,7 @@
 
 #include "format/parallel.h"
 #include "format/sample_points.h"
+#include "solver/visibility/sampling.h"
 
 namespace rro {
 
@@ -16,10 +17,6 @@ constexpr std::size_t kGrain = 64;
 constexpr std::uint32_t kFirstPoints = 16, kMostPoints = 1024;
 // What they may leave undecided, as a part of the accuracy.
 constexpr double kShare = 0.3;
-// Owen-scrambled points halve the deviation of independent ones at these counts (measured for penumbrae).
-constexpr double kSobolGain = 0.6;
-// How much the edge of a shadow within one face counts (link.cpp has the same for links).
-constexpr double kShadowWithinFace = 0.12;
 
 double mean(const Vec3& v) { return (v.x + v.y + v.z) / 3; }
 

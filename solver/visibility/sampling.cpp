@@ -8,9 +8,6 @@
 namespace rro {
 namespace {
 
-// Owen-scrambled points halve the deviation of independent ones at these counts (measured for penumbrae).
-constexpr double kSobolGain = 0.6;
-
 constexpr std::uint32_t kFirstLinkRays = 4, kMostLinkRays = 256, kAgreeingRays = 16;
 // Where all rays agree there is mostly no edge at all: what Laplace's rule allows for it counts by this part.
 constexpr double kUnseenEdge = 0.1;

@@ -9,6 +9,9 @@
 
 namespace rro {
 
+/// Standard deviation of means over Owen-scrambled points against independent ones, at tens of points (measured for penumbrae).
+inline constexpr double kSobolGain = 0.6;
+
 /// When rays suffice. m rays, v the share that passes.
 enum class StopRule {
     Fixed,    // at `most`

@@ -131,6 +131,13 @@ TEST_CASE("a convex object's mean effective area is a quarter of its surface", "
     CHECK(mean_root_area(box) == Approx(62.0 / 4).epsilon(0.01));
 }
 
+TEST_CASE("nothing of a closed room is seen from outside", "[compiler][effective_area]") {
+    const CompiledObject room = compiled(test::turned_inside_out(test::make_box(1, 2, 3, 2)));
+    REQUIRE(room.data.meta.closed);
+    CHECK(std::all_of(room.visibility.begin(), room.visibility.end(), [](std::uint8_t v) { return v == 0; }));
+    CHECK(std::all_of(room.whole_area.begin(), room.whole_area.end(), [](std::uint8_t v) { return v == 0; }));
+}
+
 TEST_CASE("nothing is hidden on a convex object", "[compiler][effective_area]") {
     const CompiledObject object = compiled(test::make_sphere(4, 1, {0.3, -0.2, 0.1}), CompileOptions{});
     REQUIRE(object.data.meta.convex);

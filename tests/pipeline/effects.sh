@@ -85,6 +85,7 @@ close out.csv 3 0
 
 # What cannot be.
 ends "an effect that the method lacks" 2 "sky: --method hierarchical does not support it" "$solve" run sky.json --method hierarchical
+ends "a transport that lacks it" 2 "sky: --transport plain does not support it" "$solve" run sky.json --transport plain
 ends "a medium of its own colour" 2 "medium: --method reusable does not support one" "$solve" run fog.json
 scene room '"transmittance": [0.1, 0.1, 0.1]' '' > bad.json
 ends "transmittance of one side" 3 'bad.json: /instances/0/materials: material "default" of room.rro has a transmittance' "$solve" run bad.json
