@@ -180,7 +180,7 @@ bool LinkBuilder::exact_tables(const Node& n) const {
 }
 
 Verdict LinkBuilder::judge(const Pair& pair, const Guide& guide) const {
-    const auto [a, b, stored] = pair;
+    const auto [a, b, stored, record] = pair;
     Verdict v;
     v.action = Verdict::Action::Pending;
     if (guide.radiosity[a] == 0 && guide.radiosity[b] == 0) return v;
@@ -242,7 +242,7 @@ double LinkBuilder::sent_as_one(std::uint32_t id, double r, const Guide& guide) 
 }
 
 Verdict LinkBuilder::judge_stored(const Pair& pair, const SelfPair& stored, const Guide& guide) const {
-    const auto [a, b, number] = pair;
+    const std::uint32_t a = pair.a, b = pair.b;
     const Node &na = nodes_[a], &nb = nodes_[b];
     const double scale = nodes_.instance(na.instance).similarity;
     const double g = scale * scale * double(stored.seen), own = double(stored.seen) / double(stored.unoccluded);
@@ -486,6 +486,7 @@ Verdict LinkBuilder::settle(const Offer& o, const Guide& guide) const {
     if (o.a != o.b) t = transmittance(o, std::max(loud(o.a, o.b), loud(o.b, o.a)) / kNoiseShare, edge);
     v.visibility_ticks = ticks() - begun;
     v.rays = t.rays;
+    v.looked = true;
     const double deviation = std::sqrt(t.spread);
     if ((t.edge || o.own >= 0) && !o.negligible && harm_of(guide, o, deviation * shadow_a, deviation * shadow_b) > 1) {
         v.action = split(o.a, o.b, na.radius >= nb.radius).action;
@@ -498,7 +499,8 @@ Verdict LinkBuilder::settle(const Offer& o, const Guide& guide) const {
         t.mean *= std::exp(-extinct);
         const double uneven = o.exchange * t.mean * std::min(1.0, spread);
         if (!o.negligible && o.a != o.b && harm_of(guide, o, uneven * kWithinMedium, uneven * kWithinMedium) > 1) {
-            const Verdict divided = split(o.a, o.b, na.radius >= nb.radius);
+            Verdict divided = split(o.a, o.b, na.radius >= nb.radius);
+            divided.looked = true;
             if (divided.action != Verdict::Action::Accept) return divided;
         }
     }

@@ -17,6 +17,7 @@ inline constexpr std::uint32_t kNotStored = 0xffffffffu;
 struct Pair {
     std::uint32_t a, b;
     std::uint32_t stored = kNotStored;  // the smallest of the archive's pairs that holds it; pairs of one object only
+    std::uint32_t record = kNoNode;     // its number in a PairTree, where there is one
 };
 
 /// One link serves both directions. With w the direction between the centres and d their distance, base = transmittance /
@@ -69,6 +70,7 @@ inline constexpr double kAgreement = 0.25;
 struct Verdict {
     enum class Action : std::uint8_t { Drop, Accept, SplitA, SplitB, Pending };
     Action action = Action::Drop;
+    bool looked = false;  // decided by what lies between the two
     Link link;
     std::uint32_t rays = 0;
     std::uint64_t ticks = 0, visibility_ticks = 0;  // of all judging, of visibility alone
@@ -85,6 +87,9 @@ class LinkBuilder {
 
     /// Judges a pair under the present guide.
     Verdict judge(const Pair& pair, const Guide& guide) const;
+
+    /// Does the instance, here or where it stood before, certainly let all light of a pair pass? (It is none of its ends.)
+    bool clears(std::uint32_t a, std::uint32_t b, const Instance& instance) const;
 
     /// Can a node be divided further?
     bool divisible(const Node& node) const;

@@ -6,6 +6,7 @@
 
 #include "format/sample_points.h"
 #include "solver/transport/link.h"
+#include "solver/visibility/clearance.h"
 
 namespace rro {
 
@@ -141,6 +142,13 @@ Transmittance LinkBuilder::transmittance(const Offer& o, double noise, double ed
         t.spread += o.own * (1 - o.own);
     }
     return t;
+}
+
+bool LinkBuilder::clears(std::uint32_t a, std::uint32_t b, const Instance& instance) const {
+    Shaft shaft;
+    shaft.a = shaft_end(a);
+    shaft.b = shaft_end(b);
+    return certainly_clear(shaft, instance);
 }
 
 // Faces have their own shape and side; of clusters and groups only the box is known.

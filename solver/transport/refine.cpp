@@ -16,11 +16,6 @@ constexpr std::size_t kGrain = 64;
 // A link is judged anew when its combined error exceeds its share clearly: judging accepts each term by itself.
 constexpr double kOutgrown = 2.0;
 
-bool outgrown(const Link& l, const Nodes& nodes, const Guide& guide) {
-    return harm(guide, nodes, l.a, l.b, double(l.error_a)) > kOutgrown ||
-           harm(guide, nodes, l.b, l.a, double(l.error_b)) > kOutgrown;
-}
-
 /// The stored pairs below a stored pair, in the order in which a division makes them.
 class StoredChildren {
   public:
@@ -58,12 +53,17 @@ class Refiner {
         set_.pending.clear();
         std::size_t kept = 0;
         for (const Link& l : set_.links) {
-            if (outgrown(l, nodes_, guide_))
-                stack_.push_back({l.a, l.b, l.stored});
-            else
+            const auto k = static_cast<std::uint32_t>(&l - set_.links.data());
+            if (outgrown(l, nodes_, guide_)) {
+                stack_.push_back({l.a, l.b, l.stored, set_.tree ? set_.tree->record_of_link[k] : kNoNode});
+                if (set_.tree) (*set_.tree)[stack_.back().record].fate = PairFate::Open;
+            } else {
+                if (set_.tree) renumber(k, static_cast<std::uint32_t>(kept));
                 set_.links[kept++] = l;
+            }
         }
         set_.links.resize(kept);
+        if (set_.tree) set_.tree->record_of_link.resize(kept);
         while (!stack_.empty()) {
             const std::size_t count = std::min(kBatch, stack_.size());
             batch_.assign(stack_.end() - static_cast<std::ptrdiff_t>(count), stack_.end());
@@ -91,77 +91,122 @@ class Refiner {
         if (all > 0) set_.visibility_seconds += seconds * visibility / all;
     }
 
+    void renumber(std::uint32_t from, std::uint32_t to) {
+        PairTree& tree = *set_.tree;
+        tree.record_of_link[to] = tree.record_of_link[from];
+        tree[tree.record_of_link[to]].at = to;
+    }
+
     void take(const Pair& pair, const Verdict& v) {
         set_.rays += v.rays;
+        if (set_.tree) {
+            PairRecord& record = (*set_.tree)[pair.record];
+            record.round = set_.round;
+            record.looked = v.looked;
+            record.fate = v.action == Verdict::Action::Pending ? PairFate::Pending : PairFate::Dropped;
+        }
         switch (v.action) {
             case Verdict::Action::Drop: break;
             case Verdict::Action::Pending: set_.pending.push_back(pair); break;
-            case Verdict::Action::Accept: set_.links.push_back(v.link); break;
+            case Verdict::Action::Accept: set_.add(v.link, pair.record); break;
             case Verdict::Action::SplitA:
-                if (pair.a == pair.b) split_self(pair);
-                else split(pair.a, pair.b, pair.stored);
-                break;
-            case Verdict::Action::SplitB: split(pair.b, pair.a, pair.stored); break;
+            case Verdict::Action::SplitB: split(pair, v.action); break;
         }
     }
 
-    void split(std::uint32_t divided, std::uint32_t other, std::uint32_t stored) {
-        if (nodes_[divided].kind == NodeKind::Surface) {
-            const std::size_t before = nodes_.size();
-            nodes_.subdivide(divided);
-            for (std::size_t n = before; n < nodes_.size(); ++n) {
-                guide_.radiosity.push_back(guide_.radiosity[divided]);
-                guide_.variation.push_back(0);
-                guide_.error.push_back(guide_.error[divided]);
-                guide_.irradiance.push_back(guide_.irradiance[divided]);
-                guide_.reflectance.push_back(guide_.reflectance[divided]);
-            }
-        }
-        const StoredChildren below(nodes_, nodes_[divided], stored);
-        nodes_.children(divided, children_);
-        for (std::size_t k = 0; k < children_.size(); ++k) stack_.push_back({children_[k], other, below[k]});
-    }
-
-    void split_self(const Pair& pair) {
-        if (nodes_[pair.a].group()) return split_group(nodes_[pair.a]);
-        const StoredChildren below(nodes_, nodes_[pair.a], pair.stored);
-        nodes_.children(pair.a, children_);
-        std::size_t k = 0;
-        for (std::size_t i = 0; i < children_.size(); ++i)
-            for (std::size_t j = i; j < children_.size(); ++j, ++k)
-                if (i != j || nodes_[children_[i]].kind != NodeKind::Surface)
-                    stack_.push_back({children_[i], children_[j], below[k]});
-    }
-
-    void split_group(const Node& group) {
-        const std::uint32_t left = group.first_child, right = group.second_child;
-        for (const std::uint32_t child : {left, right})
-            if (nodes_[child].group()) stack_.push_back({child, child});
-            else if (set_.within_instances) stack_.push_back(self_pair(nodes_, nodes_[child].instance));
-        stack_.push_back({left, right});
+    void split(const Pair& pair, Verdict::Action action) {
+        divide(pair, action, set_.within_instances, nodes_, below_);
+        grow(guide_, nodes_);
+        if (set_.tree)
+            set_.tree->divide(pair.record, action == Verdict::Action::SplitA ? PairFate::SplitA : PairFate::SplitB, below_);
+        stack_.insert(stack_.end(), below_.begin(), below_.end());
     }
 
     LinkSet& set_;
     Nodes& nodes_;
     Guide& guide_;
     const LinkBuilder& builder_;
-    std::vector<Pair> stack_, batch_;
+    std::vector<Pair> stack_, batch_, below_;
     std::vector<Verdict> verdicts_;
-    std::vector<std::uint32_t> children_;
 };
 
 }  // namespace
 
-LinkSet::LinkSet(const Nodes& nodes, bool within) : within_instances(within) {
-    if (nodes.group_count() > 0) {
-        pending.push_back({0, 0});
-        return;
+LinkSet::LinkSet(const Nodes& nodes, bool within, bool with_tree)
+    : pending(first_pairs(nodes, within)), within_instances(within) {
+    if (!with_tree) return;
+    tree = std::make_unique<PairTree>();
+    tree->divide(0, PairFate::SplitA, pending);
+}
+
+void LinkSet::add(const Link& link, std::uint32_t record) {
+    if (tree) {
+        (*tree)[record].fate = PairFate::Linked;
+        (*tree)[record].at = static_cast<std::uint32_t>(links.size());
+        tree->record_of_link.push_back(record);
     }
+    links.push_back(link);
+}
+
+void LinkSet::remove(std::uint32_t link) {
+    const std::uint32_t last = tree->record_of_link.back();
+    (*tree)[last].at = link;
+    tree->record_of_link[link] = last;
+    tree->record_of_link.pop_back();
+    links[link] = links.back();
+    links.pop_back();
+}
+
+std::vector<Pair> first_pairs(const Nodes& nodes, bool within) {
+    if (nodes.group_count() > 0) return {{0, 0}};
+    std::vector<Pair> out;
     const auto count = static_cast<std::uint32_t>(nodes.scene().instances.size());
     for (std::uint32_t i = 0; i < count; ++i) {
-        if (within) pending.push_back(self_pair(nodes, i));
-        for (std::uint32_t j = i + 1; j < count; ++j) pending.push_back({nodes.root(i), nodes.root(j)});
+        if (within) out.push_back(self_pair(nodes, i));
+        for (std::uint32_t j = i + 1; j < count; ++j) out.push_back({nodes.root(i), nodes.root(j)});
     }
+    return out;
+}
+
+bool outgrown(const Link& l, const Nodes& nodes, const Guide& guide) {
+    return harm(guide, nodes, l.a, l.b, double(l.error_a)) > kOutgrown ||
+           harm(guide, nodes, l.b, l.a, double(l.error_b)) > kOutgrown;
+}
+
+void grow(Guide& guide, const Nodes& nodes) {
+    for (auto n = static_cast<std::uint32_t>(guide.radiosity.size()); n < nodes.size(); ++n) {
+        const std::uint32_t from = nodes[n].parent;
+        guide.radiosity.push_back(guide.radiosity[from]);
+        guide.variation.push_back(0);
+        guide.error.push_back(guide.error[from]);
+        guide.irradiance.push_back(guide.irradiance[from]);
+        guide.reflectance.push_back(guide.reflectance[from]);
+    }
+}
+
+void divide(const Pair& pair, Verdict::Action action, bool within, Nodes& nodes, std::vector<Pair>& out) {
+    out.clear();
+    const bool first = action == Verdict::Action::SplitA;
+    const std::uint32_t divided = first ? pair.a : pair.b, other = first ? pair.b : pair.a;
+    if (nodes[divided].group() && pair.a == pair.b) {
+        const std::uint32_t left = nodes[divided].first_child, right = nodes[divided].second_child;
+        for (const std::uint32_t child : {left, right})
+            if (nodes[child].group()) out.push_back({child, child});
+            else if (within) out.push_back(self_pair(nodes, nodes[child].instance));
+        out.push_back({left, right});
+        return;
+    }
+    if (nodes[divided].kind == NodeKind::Surface) nodes.subdivide(divided);
+    const StoredChildren below(nodes, nodes[divided], pair.stored);
+    std::vector<std::uint32_t> children;
+    nodes.children(divided, children);
+    if (pair.a != pair.b) {
+        for (std::size_t k = 0; k < children.size(); ++k) out.push_back({children[k], other, below[k]});
+        return;
+    }
+    for (std::size_t i = 0, k = 0; i < children.size(); ++i)
+        for (std::size_t j = i; j < children.size(); ++j, ++k)
+            if (i != j || nodes[children[i]].kind != NodeKind::Surface) out.push_back({children[i], children[j], below[k]});
 }
 
 void refine(LinkSet& set, Nodes& nodes, Guide& guide, const LinkBuilder& builder) {

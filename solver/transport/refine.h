@@ -1,10 +1,11 @@
 // Which pairs become links: from the roots of all instances down, until every link's error fits its share.
 #pragma once
 
+#include <memory>
 #include <span>
 #include <vector>
 
-#include "solver/transport/link.h"
+#include "solver/transport/pair_tree.h"
 
 namespace rro {
 
@@ -15,10 +16,29 @@ struct LinkSet {
     std::uint64_t rays = 0;  // so far
     double visibility_seconds = 0;  // so far, of wall time
     bool within_instances;   // does light go from an instance to itself?
+    std::unique_ptr<PairTree> tree;  // of sets that follow edits; else none
+    std::uint8_t round = 0;          // of refinement, for the tree
 
-    /// All pairs of instances and, where asked, every instance with itself; in groups where there are any.
-    LinkSet(const Nodes& nodes, bool within_instances);
+    /// Starts from all pairs of instances.
+    /// with_tree  remember how the links come about?
+    LinkSet(const Nodes& nodes, bool within_instances, bool with_tree = false);
+
+    /// Takes a link out; the last one gets its number. Sets with a tree only.
+    void remove(std::uint32_t link);
+    void add(const Link& link, std::uint32_t record);
 };
+
+/// All pairs of instances and, where asked, every instance with itself; in groups where there are any.
+std::vector<Pair> first_pairs(const Nodes& nodes, bool within_instances);
+
+/// Has the error of a link outgrown what it was accepted with?
+bool outgrown(const Link& link, const Nodes& nodes, const Guide& guide);
+
+/// The pairs that a division makes, in the order in which the archive stores them. Subdivides faces.
+void divide(const Pair& pair, Verdict::Action action, bool within_instances, Nodes& nodes, std::vector<Pair>& out);
+
+/// New elements start with what is known of their faces.
+void grow(Guide& guide, const Nodes& nodes);
 
 /// Judges pending pairs and links whose error has outgrown their share; splits until all fit. Subdivides faces and
 /// extends the guide to new elements. Pairs are judged in parallel and taken in order, so the outcome does not depend
