@@ -42,12 +42,16 @@ struct SkyEntry {
     std::filesystem::path image;       // resolved against the manifest's folder
     double scale = 1;                  // of the image's radiance
     bool ground = false;               // nothing comes from below the horizon
+
+    bool operator==(const SkyEntry&) const = default;
 };
 
 struct SunEntry {
     Vec3 direction;                  // the way light travels, unit
     Vec3 irradiance;                 // W/m^2, on a plane that faces the sun
     double angular_diameter = 0.53;  // degrees
+
+    bool operator==(const SunEntry&) const = default;
 };
 
 struct LightEntry {
@@ -60,6 +64,8 @@ struct LightEntry {
     double cone_degrees = 360;      // the whole opening angle of a spot
     std::filesystem::path file;     // of ies, resolved against the manifest's folder
     std::string group;              // light group, or empty
+
+    bool operator==(const LightEntry&) const = default;
 };
 
 /// A set of surfaces for view factors, as written: "instance" or "instance/material".

@@ -1,5 +1,6 @@
 #include "solver/transport/direction_bins.h"
 
+#include <algorithm>
 #include <cassert>
 #include <numbers>
 
@@ -92,13 +93,20 @@ ObjectTables::ObjectTables(const ObjectData& data, const DirectionGrid& grid)
     }
 }
 
-EndAreas::EndAreas(const Nodes& nodes) : nodes_(nodes) {
+EndAreas::EndAreas(const Nodes& nodes, const EndAreas* before) : nodes_(nodes) {
     const Scene& scene = nodes.scene();
-    tables_.reserve(scene.objects.size());
-    for (const auto& object : scene.objects) tables_.emplace_back(object->data(), object->archive.grid());
+    for (const auto& object : scene.objects) {
+        std::shared_ptr<const ObjectTables> tables;
+        if (before != nullptr) {
+            const auto& known = before->nodes_.scene().objects;
+            const auto at = std::find(known.begin(), known.end(), object);
+            if (at != known.end()) tables = before->tables_[static_cast<std::size_t>(at - known.begin())];
+        }
+        tables_.push_back(tables ? tables : std::make_shared<ObjectTables>(object->data(), object->archive.grid()));
+    }
     for (const Instance& instance : scene.instances)
         for (std::size_t o = 0; o < scene.objects.size(); ++o)
-            if (scene.objects[o].get() == instance.object) of_instance_.push_back(&tables_[o]);
+            if (scene.objects[o].get() == instance.object) of_instance_.push_back(tables_[o].get());
 }
 
 bool EndAreas::has_outside(const Node& node) const {

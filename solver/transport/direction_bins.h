@@ -9,6 +9,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "solver/transport/nodes.h"
@@ -50,7 +51,8 @@ struct TableError {
 /// Projected areas of nodes as ends of links.
 class EndAreas {
   public:
-    explicit EndAreas(const Nodes& nodes);
+    /// before  may hold tables of the same objects, which are shared then
+    explicit EndAreas(const Nodes& nodes, const EndAreas* before = nullptr);
 
     const ObjectTables& tables(std::uint32_t instance) const { return *of_instance_[instance]; }
 
@@ -66,7 +68,7 @@ class EndAreas {
 
   private:
     const Nodes& nodes_;
-    std::vector<ObjectTables> tables_;                 // per object
+    std::vector<std::shared_ptr<const ObjectTables>> tables_;  // [objects]
     std::vector<const ObjectTables*> of_instance_;
 };
 

@@ -100,6 +100,29 @@ void LightField<C>::begin() {
     pull_groups();
 }
 
+template <int C>
+void LightField<C>::take_over(const LightField& from, const std::vector<std::uint32_t>& node) {
+    for (std::size_t n = 0; n < node.size(); ++n)
+        for (std::size_t c = 0; c < C && node[n] != kNoNode; ++c) irradiance_[node[n] * C + c] = from.irradiance_[n * C + c];
+    for (std::uint32_t i = 0; i < nodes_.scene().instances.size(); ++i) {
+        for_each_leaf(i, [&](std::uint32_t id) {
+            for (std::size_t c = 0; c < C; ++c) radiosity_[id * C + c] = exitance(id, c) + reflectance(id, c) * irradiance_[id * C + c];
+        });
+        pull_instance(i);
+        if (!other_side_[i].empty()) transmit(i), pull_instance(i);
+    }
+    pull_groups();
+}
+
+template <int C>
+void LightField<C>::fill_sources(Guide& guide) {
+    const std::vector<float> radiosity = radiosity_, irradiance = irradiance_;
+    begin();
+    fill(guide);
+    radiosity_ = radiosity;
+    irradiance_ = irradiance;
+}
+
 // Diffuse transmittance: what one side of a face receives, the other sends on, too. Both may be divided into elements of
 // their own; the other side's mean serves all of them.
 template <int C>

@@ -15,6 +15,10 @@ class LightField {
   public:
     LightField(const Nodes& nodes, const EndAreas& areas);
 
+    /// The light that nodes of another field receive; what they send follows from the materials here.
+    /// node  [nodes there] number here, or kNoNode
+    void take_over(const LightField& from, const std::vector<std::uint32_t>& node);
+
     /// New elements start with their parent's light.
     void grow();
 
@@ -49,6 +53,9 @@ class LightField {
     double reflected_norm() const;
 
     void fill(Guide& guide) const;
+
+    /// The same of sources alone: what begin() starts from.
+    void fill_sources(Guide& guide);
 
     const std::vector<float>& radiosity() const { return radiosity_; }    // [nodes * C]
     const std::vector<float>& irradiance() const { return irradiance_; }  // [nodes * C], surfaces only

@@ -120,6 +120,18 @@ OutsideLight::Estimate OutsideLight::sample(const Nodes& nodes, std::uint32_t su
     return e;
 }
 
+void OutsideLight::take_over(const OutsideLight& from, const std::vector<std::uint32_t>& node) {
+    irradiance_.resize(from.irradiance_.size());
+    error_.resize(from.error_.size(), 0);
+    partial_.resize(from.partial_.size(), 0);
+    typical_ = from.typical_;
+    for (std::size_t n = 0; n < from.irradiance_.size(); ++n) {
+        irradiance_[node[n]] = from.irradiance_[n];
+        error_[node[n]] = from.error_[n];
+        partial_[node[n]] = from.partial_[n];
+    }
+}
+
 void OutsideLight::find(const Nodes& nodes) {
     if (!any()) return;
     const auto first = static_cast<std::uint32_t>(irradiance_.size());

@@ -18,6 +18,9 @@ class OutsideLight {
 
     bool any() const { return sky_ || sun_ || lights_; }
 
+    /// Takes over what another one found in the same place. node: [nodes there] number here
+    void take_over(const OutsideLight& from, const std::vector<std::uint32_t>& node);
+
     /// Finds the light of all leaf surfaces that have come since the last call: as many points as it takes until the mean of each
     /// is known to a part of the accuracy, relative to what it or a typical surface receives.
     void find(const Nodes& nodes);

@@ -55,6 +55,7 @@ class Refiner {
         for (const Link& l : set_.links) {
             const auto k = static_cast<std::uint32_t>(&l - set_.links.data());
             if (outgrown(l, nodes_, guide_)) {
+                ++set_.change.removed;
                 stack_.push_back({l.a, l.b, l.stored, set_.tree ? set_.tree->record_of_link[k] : kNoNode});
                 if (set_.tree) (*set_.tree)[stack_.back().record].fate = PairFate::Open;
             } else {
@@ -146,6 +147,7 @@ void LinkSet::add(const Link& link, std::uint32_t record) {
         tree->record_of_link.push_back(record);
     }
     links.push_back(link);
+    ++change.added;
 }
 
 void LinkSet::remove(std::uint32_t link) {
@@ -155,6 +157,7 @@ void LinkSet::remove(std::uint32_t link) {
     tree->record_of_link.pop_back();
     links[link] = links.back();
     links.pop_back();
+    ++change.removed;
 }
 
 std::vector<Pair> first_pairs(const Nodes& nodes, bool within) {

@@ -9,6 +9,11 @@
 
 namespace rro {
 
+/// How often links came and went.
+struct LinkChange {
+    std::uint64_t removed = 0, retested = 0, added = 0;  // retested: judged again, and still a link
+};
+
 /// The links of a scene and the pairs that may become links once they carry light.
 struct LinkSet {
     std::vector<Link> links;
@@ -18,6 +23,7 @@ struct LinkSet {
     bool within_instances;   // does light go from an instance to itself?
     std::unique_ptr<PairTree> tree;  // of sets that follow edits; else none
     std::uint8_t round = 0;          // of refinement, for the tree
+    LinkChange change;               // so far
 
     /// Starts from all pairs of instances.
     /// with_tree  remember how the links come about?

@@ -1,0 +1,412 @@
+#include "solver/transport/reusable_solver.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "solver/transport/iterate.h"
+
+namespace rro {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+constexpr int kMostRounds = 9;
+constexpr int kMostSweeps = 1000;
+// Divisions of one face at the edges of shadows from sky, sun and lamps, before any link is made.
+constexpr int kShadowLevels = 6;
+// Light that only steers refinement may be this part of the accuracy away from converged.
+constexpr double kSteering = 0.3;
+// Light of the first rounds only steers refinement: direct light, one bounce, then converged.
+constexpr int kDirectRounds = 1;
+// How much of the squared error one link may bring at first; later rounds learn it from the estimate.
+constexpr double kFirstShare = 1.0 / 1000;
+constexpr double kCoarseAccuracy = 0.3;
+// An instance by itself may be this many times worse than the scene.
+constexpr double kWorstInstance = 2;
+constexpr int kInstanceRounds = 1;  // for them alone
+// Instances below this share of the reflected power do not count by themselves (contract: accuracy).
+constexpr double kCountingShare = 1e-3;
+// Where edits have moved more than this part of the surface, or links have become more than this many times those of the
+// last solve from scratch, there is nothing left to be saved.
+constexpr double kMostMoved = 0.5, kMostGrowth = 1.5;
+
+/// What all passes of a solve stand on: made anew for every scene, from what there was.
+template <int C>
+struct Stage {
+    Stage(std::shared_ptr<const Scene> of, const Plan& plan, const TransportOptions& options)
+        : scene(std::move(of)), nodes(*scene), areas(nodes), rays(*scene), builder(nodes, areas, rays, options),
+          outside(*scene, plan, builder, rays, options), field(nodes, areas) {}
+    Stage(std::shared_ptr<const Scene> of, const Plan& plan, const TransportOptions& options, const Stage& before,
+          const UsedElements& used, const SceneChange& change)
+        : scene(std::move(of)), nodes(*scene), map(carry_nodes(before.nodes, used, change, nodes)), areas(nodes, &before.areas),
+          rays(*scene), builder(nodes, areas, rays, options), outside(*scene, plan, builder, rays, options), field(nodes, areas) {
+        field.take_over(before.field, map);
+    }
+
+    std::shared_ptr<const Scene> scene;
+    Nodes nodes;
+    std::vector<std::uint32_t> map;  // [nodes before] their numbers
+    EndAreas areas;
+    SceneRays rays;
+    LinkBuilder builder;
+    OutsideLight outside;
+    LightField<C> field;
+};
+
+/// Does one plan lead to the same passes as another?
+bool same_passes(const Plan& a, const Plan& b) {
+    const auto same = [&](const char* effect) { return a.on(effect) == b.on(effect); };
+    return a.channels == b.channels && same("interreflection") && same("occlusion") && same("self") && same("sky") &&
+           same("sun") && same("lights") && same("transmission") && same("medium");
+}
+
+bool same_options(const TransportOptions& a, const TransportOptions& b) {
+    return a.accuracy == b.accuracy && a.seed == b.seed && a.visibility == b.visibility && a.far_factor == b.far_factor;
+}
+
+}  // namespace
+
+/// A scene being solved.
+struct ReusableSolver::State {
+    virtual ~State() = default;
+    virtual Solution solve(const Progress& progress) = 0;
+    virtual bool can_follow(const Scene& scene, const SceneChange& change) const = 0;
+    virtual Solution follow(std::shared_ptr<const Scene> scene, const SceneChange& change, const Progress& progress) = 0;
+    virtual const Scene& scene() const = 0;
+    virtual const LinkChange& links() const = 0;
+    virtual std::size_t link_count() const = 0;
+    virtual std::uint64_t bytes() const = 0;
+
+    Plan plan;
+    TransportOptions options;
+};
+
+namespace {
+
+template <int C>
+class Engine : public ReusableSolver::State {
+  public:
+    Engine(std::shared_ptr<const Scene> scene, const Plan& plan_, const TransportOptions& options_, bool follows) {
+        plan = plan_;
+        options = options_;
+        const auto start = Clock::now();
+        stage_ = std::make_unique<Stage<C>>(std::move(scene), plan, options);
+        set_ = std::make_unique<LinkSet>(stage_->nodes, plan.on("self"), follows);
+        guide_.share.assign(stage_->scene->instances.size(), std::pow(std::max(kCoarseAccuracy, options.accuracy), 2) * kFirstShare);
+        guide_.scene_share = guide_.share.empty() ? 0 : guide_.share[0];
+        first_seconds_ = seconds_since(start);
+    }
+
+    Solution solve(const Progress& progress) override {
+        Solution solution;
+        solution.seconds.links += first_seconds_;
+        sources_ = sources_of(stage_->nodes, stage_->field);
+        find_outside(true, solution, progress);
+        if (stage_->outside.any()) stage_->field.begin();
+        guide_.error.assign(stage_->nodes.size(), 0.0f);
+        stage_->field.fill(guide_);
+        guide_.reflected = reflected_at_first();
+        if (set_->tree) schedule_.first = guide_;
+        settle(0, false, solution, progress);
+        links_at_first_ = set_->links.size();
+        return solution;
+    }
+
+    bool can_follow(const Scene& scene, const SceneChange& change) const override {
+        if (change.surroundings || double(set_->links.size()) > kMostGrowth * double(links_at_first_)) return false;
+        double moved = 0, all = 0;
+        for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
+            const double extent = length2(scene.instances[i].bounds.extent());
+            all += extent;
+            if (change.moved[i]) moved += extent;
+        }
+        return moved <= kMostMoved * all;
+    }
+
+    Solution follow(std::shared_ptr<const Scene> scene, const SceneChange& change, const Progress& progress) override {
+        Solution solution;
+        const auto start = Clock::now();
+        set_->change = {};
+        set_->rays = 0;
+        set_->visibility_seconds = 0;
+        const std::unique_ptr<Stage<C>> before = std::move(stage_);
+        const bool same_outside = !change.places() && !change.lights;
+        UsedElements used = used_elements(*set_, before->nodes);
+        // What fell on their faces as a whole may never have been looked at.
+        if (same_outside && before->outside.any()) used.assign(used.size(), 1);
+        stage_ = std::make_unique<Stage<C>>(std::move(scene), plan, options, *before, used, change);
+        renumber(*set_, stage_->map);
+        sources_ = sources_of(stage_->nodes, stage_->field);
+        carry_guide(change);
+        if (same_outside && before->outside.any()) stage_->outside.take_over(before->outside, stage_->map);
+        solution.seconds.links += seconds_since(start);
+        find_outside(!same_outside, solution, progress);
+        begin_guides();
+
+        const auto linking = Clock::now();
+        if (change.places())
+            retest(*set_, stage_->nodes, stage_->builder, schedule_, guide_, touched_by(change, *before));
+        solution.seconds.links += seconds_since(linking);
+        settle(kDirectRounds, true, solution, progress);
+        return solution;
+    }
+
+    const Scene& scene() const override { return *stage_->scene; }
+    const LinkChange& links() const override { return set_->change; }
+    std::size_t link_count() const override { return set_->links.size(); }
+    std::uint64_t bytes() const override {
+        return set_->links.size() * sizeof(Link) + stage_->field.bytes() + stage_->nodes.size() * sizeof(Node) +
+               (set_->tree ? set_->tree->bytes() : 0);
+    }
+
+  private:
+    /// Before any light has been gathered: all emitted power spread evenly and reflected once.
+    double reflected_at_first() const {
+        return sources_.area > 0 ? sources_.emitted * sources_.emitted / sources_.area * 0.25 + entering_ : entering_;
+    }
+
+    /// Light from outside comes first: it is a source like emitters, and its shadows divide faces.
+    void find_outside(bool anew, Solution& solution, const Progress& progress) {
+        auto& [scene, nodes, map, areas, rays, builder, outside, field] = *stage_;
+        const auto start = Clock::now();
+        entering_ = 0;
+        if (!outside.any()) return;
+        if (progress) progress("sky, sun and lamps", 0);
+        outside.find(nodes);
+        for (int level = 0; anew && level < kShadowLevels; ++level) {
+            guide_.reflected = reflected_once(nodes, outside.irradiance());
+            const std::vector<std::uint32_t> edges = outside.shadow_edges(nodes, guide_);
+            if (edges.empty()) break;
+            for (const std::uint32_t id : edges) nodes.subdivide(id);
+            outside.find(nodes);
+        }
+        entering_ = reflected_once(nodes, outside.irradiance());
+        field.grow();
+        field.set_outside(outside.irradiance());
+        solution.seconds.outside = seconds_since(start);
+    }
+
+    /// What is known of instances that stay; those placed start as others of their object did.
+    void carry_guide(const SceneChange& change) {
+        std::vector<float> error(stage_->nodes.size(), 0.0f);
+        for (std::size_t n = 0; n < stage_->map.size(); ++n)
+            if (stage_->map[n] != kNoNode) error[stage_->map[n]] = guide_.error[n];
+        guide_.error = std::move(error);
+        const std::vector<Instance>& instances = stage_->scene->instances;
+        for (Shares& round : schedule_.rounds) {
+            const std::vector<double> before = std::exchange(round.of_instance, {});
+            for (std::size_t i = 0; i < instances.size(); ++i) {
+                std::size_t like = i;
+                for (std::size_t k = 0; k < instances.size() && change.before[like] == SceneChange::kPlaced; ++k)
+                    if (instances[k].object == instances[i].object && change.before[k] != SceneChange::kPlaced) like = k;
+                const std::uint32_t number = change.before[like];
+                round.of_instance.push_back(number != SceneChange::kPlaced ? before[number]
+                                                                          : *std::max_element(before.begin(), before.end()));
+            }
+        }
+    }
+
+    /// The guides of the first round and of later ones, before retest.
+    void begin_guides() {
+        const LightField<C>& field = stage_->field;
+        stage_->field.fill_sources(schedule_.first);
+        schedule_.first.error.assign(stage_->nodes.size(), 0.0f);
+        schedule_.first.reflected = reflected_at_first();
+        field.fill(guide_);
+        grow_errors();
+        guide_.share = schedule_.rounds.back().of_instance;
+        guide_.scene_share = schedule_.rounds.back().of_scene;
+    }
+    void grow_errors() {
+        for (auto n = static_cast<std::uint32_t>(guide_.error.size()); n < stage_->nodes.size(); ++n)
+            guide_.error.push_back(guide_.error[stage_->nodes[n].parent]);
+    }
+
+    Touched touched_by(const SceneChange& change, const Stage<C>& before) const {
+        const Nodes& nodes = stage_->nodes;
+        Touched touched{change.moved, std::vector<std::uint8_t>(nodes.group_count(), 1), {}};
+        for (std::uint32_t g = 0; g < before.nodes.group_count(); ++g)
+            if (stage_->map[g] != kNoNode) touched.group[stage_->map[g]] = 0;
+        for (std::uint32_t g = nodes.group_count(); g-- > 0;)
+            for (const std::uint32_t child : {nodes[g].first_child, nodes[g].second_child})
+                touched.group[g] |= nodes[child].group() ? touched.group[child] : touched.instance[nodes[child].instance];
+        for (std::uint32_t i = 0; i < change.moved.size(); ++i) {
+            if (!change.moved[i]) continue;
+            touched.blockers.push_back(&stage_->scene->instances[i]);
+            if (change.before[i] != SceneChange::kPlaced) touched.blockers.push_back(&before.scene->instances[change.before[i]]);
+        }
+        for (const std::uint32_t i : change.deleted) touched.blockers.push_back(&before.scene->instances[i]);
+        return touched;
+    }
+
+    /// Lowers the share of links where errors are too large. Returns whether they are small enough everywhere.
+    bool lower_shares(const ErrorEstimate& estimate, double allowed) {
+        bool good = true;
+        for (std::size_t i = 0; i < guide_.share.size(); ++i) {
+            // Errors add up by their squares, to which a few bright spots may bring nearly everything; but what most of the
+            // light comes from is what is looked at, and so is held to the accuracy asked, too.
+            const bool counts = estimate.power_share[i] > kCountingShare;
+            const double worse = std::min(kWorstInstance, 1 / std::sqrt(std::max(estimate.power_share[i], 1e-300)));
+            const double over = std::min(allowed / std::max(estimate.whole, 1e-300),
+                                         counts ? worse * allowed / std::max(estimate.of_instance[i], 1e-300) : 1.0);
+            if (over >= 1) continue;
+            good = false;
+            guide_.share[i] *= std::clamp(0.7 * over * over * over, 1.0 / 30, 0.7);
+            guide_.scene_share = std::min(guide_.scene_share, guide_.share[i]);
+        }
+        return good;
+    }
+
+    /// Links for the light as it is known.
+    void link(bool linked) {
+        auto& [scene, nodes, map, areas, rays, builder, outside, field] = *stage_;
+        if (!linked) refine(*set_, nodes, guide_, builder);
+        field.grow();
+        if (outside.any()) {
+            outside.find(nodes);
+            field.set_outside(outside.irradiance());
+        }
+        field.set_links(set_->links);
+        field.bound_rows();
+        if (closed()) field.close_rows();
+    }
+
+    bool closed() const { return plan.on("self") && is_closed_shell(*stage_->scene); }
+
+    /// Rounds of linking and iterating until the estimate fits. linked: the links of the first one are there.
+    void settle(int round, bool linked, Solution& solution, const Progress& progress) {
+        LightField<C>& field = stage_->field;
+        const Nodes& nodes = stage_->nodes;
+        const bool bounces = plan.on("interreflection"), follows = linked;
+        const double allowed = 0.99 * options.accuracy;  // a tenth is left to the iteration, added by squares
+        solution.accuracy = options.accuracy;
+        double error = 0;
+        int settled = 0;
+        Residual residual;
+        HindSight hind_sight;
+        for (; round < kMostRounds; ++round) {
+            if (progress) progress("links", double(round) / kMostRounds);
+            auto start = Clock::now();
+            const LinkChange last = set_->change;
+            if (set_->tree && !follows) schedule_.rounds.push_back({guide_.share, guide_.scene_share});
+            set_->round = static_cast<std::uint8_t>(std::max<std::size_t>(schedule_.rounds.size(), 1) - 1);
+            const std::size_t before = nodes.size(), links_before = set_->links.size();
+            const std::uint64_t rays_before = set_->rays;
+            link(linked);
+            const bool changed = linked ? last.removed + last.retested + last.added > 0
+                                        : nodes.size() != before || set_->links.size() != links_before || set_->rays != rays_before;
+            linked = false;
+            solution.seconds.links += seconds_since(start);
+
+            if (progress) progress("iterate", double(round) / kMostRounds);
+            start = Clock::now();
+            if (!bounces) field.extinguish();
+            const int most = !bounces ? 1 : round < kDirectRounds ? 2 : kMostSweeps;
+            residual = iterate(field, kSteering * options.accuracy, sources_.largest_reflectance, most);
+            if (!bounces) residual.relative = 0;  // one sweep is all there is
+            solution.iterations += residual.sweeps;
+            solution.seconds.iterate += seconds_since(start);
+
+            field.fill(guide_);
+            ErrorEstimate estimate = estimate_error(*set_, nodes, closed() ? 1.0 : amplification(nodes, field, stage_->outside),
+                                                    stage_->outside.error(), guide_);
+            hind_sight.correct(estimate, nodes, field);
+            error = estimate.whole;
+            if (round < kDirectRounds) continue;
+            const bool good = lower_shares(estimate, allowed);
+            if (error <= allowed) ++settled;
+            if ((good || settled > kInstanceRounds) && !(changed && round < kDirectRounds + 1)) break;
+        }
+        if (bounces && residual.relative > options.accuracy / 10) {
+            const auto start = Clock::now();
+            residual = iterate(field, options.accuracy / 10, sources_.largest_reflectance, kMostSweeps);
+            solution.iterations += residual.sweeps;
+            solution.seconds.iterate += seconds_since(start);
+        }
+        solution.residual = residual.relative;
+        solution.estimated_error = std::hypot(error, residual.relative);
+        solution.converged = solution.estimated_error <= options.accuracy;
+        report(solution);
+    }
+
+    void report(Solution& solution) const {
+        const Nodes& nodes = stage_->nodes;
+        solution.rays = set_->rays + stage_->outside.rays();
+        solution.seconds.visibility = set_->visibility_seconds + solution.seconds.outside;
+        solution.seconds.links -= set_->visibility_seconds;
+        for (const Link& l : set_->links) {
+            if (!nodes[l.a].group() && nodes[l.a].instance == nodes[l.b].instance) ++solution.links.self;
+            else ++(l.mean() ? solution.links.near : solution.links.far);
+        }
+        solution.links.bytes = set_->links.size() * sizeof(Link) + stage_->field.bytes();
+        store_light(nodes, stage_->field, stage_->outside.irradiance(), solution);
+    }
+
+    std::unique_ptr<Stage<C>> stage_;
+    std::unique_ptr<LinkSet> set_;
+    Guide guide_;
+    Schedule schedule_;
+    Sources sources_;
+    double entering_ = 0;  // sum of A R^2 of light from outside, reflected once, W^2/m^2
+    double first_seconds_ = 0;
+    std::size_t links_at_first_ = 0;
+};
+
+TransportOptions effective(TransportOptions options, const Plan& plan) {
+    if (!plan.on("occlusion")) options.visibility = VisibilityMethod::None;
+    return options;
+}
+
+std::unique_ptr<ReusableSolver::State> make_state(std::shared_ptr<const Scene> scene, const Plan& plan,
+                                                  const TransportOptions& options, bool follows) {
+    if (plan.channels == 1) return std::make_unique<Engine<1>>(std::move(scene), plan, options, follows);
+    return std::make_unique<Engine<3>>(std::move(scene), plan, options, follows);
+}
+
+}  // namespace
+
+ReusableSolver::ReusableSolver() = default;
+ReusableSolver::~ReusableSolver() = default;
+ReusableSolver::ReusableSolver(ReusableSolver&&) noexcept = default;
+ReusableSolver& ReusableSolver::operator=(ReusableSolver&&) noexcept = default;
+
+void ReusableSolver::reset() { state_.reset(); }
+
+std::uint64_t ReusableSolver::bytes() const { return state_ ? state_->bytes() : 0; }
+
+Result<Solution> ReusableSolver::solve(std::shared_ptr<const Scene> scene, const Plan& plan, const TransportOptions& options,
+                                       const Progress& progress) {
+    const TransportOptions asked = effective(options, plan);
+    if (state_ && same_options(state_->options, asked) && same_passes(state_->plan, plan)) {
+        const SceneChange change = scene_change(state_->scene(), *scene);
+        if (state_->can_follow(*scene, change)) {
+            // What fails on the way leaves nothing to follow from.
+            std::unique_ptr<State> state = std::move(state_);
+            Solution solution = state->follow(std::move(scene), change, progress);
+            change_ = state->links();
+            from_scratch_ = false;
+            state_ = std::move(state);
+            return solution;
+        }
+    }
+    const std::uint64_t removed = state_ ? state_->link_count() : 0;
+    state_.reset();  // before there is another one
+    std::unique_ptr<State> state = make_state(std::move(scene), plan, asked, true);
+    Solution solution = state->solve(progress);
+    change_ = {removed, 0, state->link_count()};
+    from_scratch_ = true;
+    state_ = std::move(state);
+    return solution;
+}
+
+Result<Solution> solve_reusable(const Scene& scene, const Plan& plan, const TransportOptions& options,
+                                const Progress& progress) {
+    // The caller's scene outlives the solve.
+    const std::shared_ptr<const Scene> borrowed(std::shared_ptr<void>(), &scene);
+    return make_state(borrowed, plan, effective(options, plan), false)->solve(progress);
+}
+
+}  // namespace rro

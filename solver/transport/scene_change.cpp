@@ -1,0 +1,40 @@
+#include "solver/transport/scene_change.h"
+
+#include <algorithm>
+#include <string_view>
+#include <unordered_map>
+
+namespace rro {
+
+bool SceneChange::places() const {
+    return !deleted.empty() || std::find(moved.begin(), moved.end(), 1) != moved.end();
+}
+
+SceneChange scene_change(const Scene& before, const Scene& after) {
+    std::unordered_map<std::string_view, std::uint32_t> named;
+    for (std::uint32_t i = 0; i < before.instances.size(); ++i) named.emplace(before.instances[i].name, i);
+    SceneChange change;
+    std::vector<std::uint8_t> stays(before.instances.size(), 0);
+    for (const Instance& now : after.instances) {
+        const auto found = named.find(now.name);
+        const bool known = found != named.end() && before.instances[found->second].object == now.object;
+        change.before.push_back(known ? found->second : SceneChange::kPlaced);
+        change.moved.push_back(1);
+        if (!known) continue;
+        const Instance& then = before.instances[found->second];
+        stays[found->second] = 1;
+        change.moved.back() = then.to_world == now.to_world ? 0 : 1;
+        change.materials = change.materials || then.reflectance != now.reflectance || then.exitance != now.exitance ||
+                           then.transmittance != now.transmittance;
+    }
+    for (std::uint32_t i = 0; i < stays.size(); ++i)
+        if (!stays[i]) change.deleted.push_back(i);
+    change.lights = before.manifest.lights != after.manifest.lights || before.lights.size() != after.lights.size();
+    const auto absorption = [](const Scene& s) { return s.medium ? s.medium->absorption : Vec3{}; };
+    change.surroundings = before.manifest.sky != after.manifest.sky || before.manifest.sun != after.manifest.sun ||
+                          before.sky.has_value() != after.sky.has_value() || before.sun.has_value() != after.sun.has_value() ||
+                          absorption(before) != absorption(after);
+    return change;
+}
+
+}  // namespace rro
