@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <functional>
 #include <string>
 
 #include "solver/effects/cost.h"
@@ -79,8 +80,11 @@ Solution dark_solution(const Scene& scene, const SolveOptions& options) {
     return solution;
 }
 
+/// Directional transport of the reusable method, by whoever is asked to.
+using SolveDirectional = std::function<Result<Solution>(const Plan&, const TransportOptions&)>;
+
 Result<Solution> solve_by_method(const Scene& scene, const Plan& plan, const SolveOptions& options, double accuracy,
-                                 const Progress& progress) {
+                                 const SolveDirectional& directional, const Progress& progress) {
     if (!is_lit(plan)) return dark_solution(scene, options);
     if (options.method == Method::Reference)
         return solve_reference(scene, {accuracy, options.samples, options.seed}, progress);
@@ -97,7 +101,37 @@ Result<Solution> solve_by_method(const Scene& scene, const Plan& plan, const Sol
         for (const char* effect : kNotBetweenSurfaces)
             if (plan.on(effect))
                 return usage(std::string(effect) + ": --transport plain does not support it; leave it out with --without " + effect);
-    return (plain ? solve_plain : solve_reusable)(scene, plan, transport, progress);
+    return plain ? solve_plain(scene, plan, transport, progress) : directional(plan, transport);
+}
+
+Result<Solution> solve_with(const Scene& scene, const SolveOptions& options, const SolveDirectional& directional,
+                            const Progress& progress) {
+    const auto start = Clock::now();
+    auto plan = plan_effects(scene, options.overrides);
+    if (!plan) return plan.error();
+    if (options.method == Method::Reference)
+        if (auto fits = check_ray_options(options, "the reference"); !fits) return fits.error();
+    if (options.method == Method::Reusable)
+        if (auto fits = check_deterministic_options(scene, *plan, options); !fits) return fits.error();
+    if (options.method == Method::Hierarchical) {
+        if (auto fits = check_ray_options(options, "the hierarchical method"); !fits) return fits.error();
+        if (auto fits = check_deterministic_options(scene, *plan, options); !fits) return fits.error();
+    }
+    const double plan_seconds = seconds_since(start);
+
+    const double accuracy = accuracy_of(scene, options.accuracy);
+    auto solved = solve_by_method(scene, *plan, options, accuracy, directional, progress);
+    if (!solved) return solved.error();
+    Solution solution = std::move(*solved);
+    solution.accuracy = accuracy;
+    if (solution.effects.empty()) {
+        solution.effects = plan->effects;
+        if (options.method == Method::Reusable) account_seconds(solution);
+    }
+    solution.warnings.insert(solution.warnings.begin(), plan->warnings.begin(), plan->warnings.end());
+    solution.seconds.plan = plan_seconds;
+    solution.seconds.total = seconds_since(start);
+    return solution;
 }
 
 }  // namespace
@@ -126,31 +160,23 @@ Result<VisibilityMethod> parse_visibility(std::string_view name) {
 }
 
 Result<Solution> solve_scene(const Scene& scene, const SolveOptions& options, const Progress& progress) {
-    const auto start = Clock::now();
-    auto plan = plan_effects(scene, options.overrides);
-    if (!plan) return plan.error();
-    if (options.method == Method::Reference)
-        if (auto fits = check_ray_options(options, "the reference"); !fits) return fits.error();
-    if (options.method == Method::Reusable)
-        if (auto fits = check_deterministic_options(scene, *plan, options); !fits) return fits.error();
-    if (options.method == Method::Hierarchical) {
-        if (auto fits = check_ray_options(options, "the hierarchical method"); !fits) return fits.error();
-        if (auto fits = check_deterministic_options(scene, *plan, options); !fits) return fits.error();
-    }
-    const double plan_seconds = seconds_since(start);
+    return solve_with(scene, options, [&](const Plan& plan, const TransportOptions& transport) {
+        return solve_reusable(scene, plan, transport, progress);
+    }, progress);
+}
 
-    const double accuracy = accuracy_of(scene, options.accuracy);
-    auto solved = solve_by_method(scene, *plan, options, accuracy, progress);
-    if (!solved) return solved.error();
-    Solution solution = std::move(*solved);
-    solution.accuracy = accuracy;
-    if (solution.effects.empty()) {
-        solution.effects = plan->effects;
-        if (options.method == Method::Reusable) account_seconds(solution);
-    }
-    solution.warnings.insert(solution.warnings.begin(), plan->warnings.begin(), plan->warnings.end());
-    solution.seconds.plan = plan_seconds;
-    solution.seconds.total = seconds_since(start);
+Result<Solution> SceneSolver::solve(std::shared_ptr<const Scene> scene, const SolveOptions& options, const Progress& progress) {
+    bool reused = false;
+    auto solution = solve_with(*scene, options, [&](const Plan& plan, const TransportOptions& transport) {
+        reused = true;
+        return reusable_.solve(scene, plan, transport, progress);
+    }, progress);
+    if (!solution) return solution;
+    const std::uint64_t before = links_;
+    links_ = solution->links.total();
+    from_scratch_ = !reused || reusable_.from_scratch();
+    change_ = reused ? reusable_.change() : LinkChange{before, 0, links_};
+    if (!reused) reusable_.reset();
     return solution;
 }
 

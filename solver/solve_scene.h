@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -14,6 +15,7 @@
 #include "solver/progress.h"
 #include "solver/scene/scene.h"
 #include "solver/solution.h"
+#include "solver/transport/reusable_solver.h"
 #include "solver/transport/transport.h"
 
 namespace rro {
@@ -45,6 +47,23 @@ Result<VisibilityMethod> parse_visibility(std::string_view name);
 ///          caller's; total is plan and solve)
 /// errors   Usage: effects as in plan_effects; options that the method does not know; those of the solvers
 Result<Solution> solve_scene(const Scene& scene, const SolveOptions& options, const Progress& progress = {});
+
+/// The same for a scene that changes: what an edit leaves as it is stays solved (the reusable method, directional). Not
+/// thread-safe.
+class SceneSolver {
+  public:
+    Result<Solution> solve(std::shared_ptr<const Scene> scene, const SolveOptions& options, const Progress& progress = {});
+
+    /// What the last solve did to the links.
+    const LinkChange& change() const { return change_; }
+    bool from_scratch() const { return from_scratch_; }
+
+  private:
+    ReusableSolver reusable_;
+    LinkChange change_;
+    std::uint64_t links_ = 0;
+    bool from_scratch_ = true;
+};
 
 /// The accuracy to solve for: the one asked for, or the manifest's, or 0.02.
 double accuracy_of(const Scene& scene, std::optional<double> asked);

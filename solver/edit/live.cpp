@@ -98,7 +98,7 @@ struct State {
 };
 
 struct Built {
-    Scene scene;
+    std::shared_ptr<const Scene> scene;
     std::string text;  // with light groups scaled: what `save` writes
 };
 
@@ -157,7 +157,7 @@ struct LiveSession::Parts {
     std::deque<State> undone_to, redone_to;  // the latest at the back
     bool forgot = false;                     // states to undo have gone for want of memory
     bool ended = false;
-    std::uint64_t links = 0;                 // of the last solution
+    SceneSolver solver = {};
     json changed_links = none_changed();     // by the request at hand
     double open_ms = 0;
 
@@ -176,27 +176,28 @@ struct LiveSession::Parts {
     Result<Built> build(const State& state) {
         auto scene = open(state.text);
         if (!scene) return scene.error();
-        Built out{std::move(*scene), state.text};
+        std::string text = state.text;
         if (std::any_of(state.scales.begin(), state.scales.end(), [](const auto& s) { return s.second != 1; })) {
-            auto scaled = with_group_scales({path, state.text}, out.scene, state.scales);
+            auto scaled = with_group_scales({path, state.text}, *scene, state.scales);
             if (!scaled) return scaled.error();
             auto dimmed = open(*scaled);
             if (!dimmed) return dimmed.error();
-            out = {std::move(*dimmed), std::move(*scaled)};
+            scene = std::move(dimmed);
+            text = std::move(*scaled);
         }
-        leave_out(options.solve.overrides, out.scene);
-        if (const std::uint64_t needed = estimated_memory(out.scene); needed > options.memory)
+        leave_out(options.solve.overrides, *scene);
+        if (const std::uint64_t needed = estimated_memory(*scene); needed > options.memory)
             return failed(path.string(), "needs about " + size_text(needed) + " of memory, " +
                                              size_text(options.memory) + " are allowed", "allow more with --memory");
-        return out;
+        return Built{std::make_shared<const Scene>(std::move(*scene)), std::move(text)};
     }
 
-    Status solve_state(State& state, const Scene& scene, const SolveOptions& how) {
-        auto solution = solve_scene(scene, how);
+    Status solve_state(State& state, const std::shared_ptr<const Scene>& scene, const SolveOptions& how) {
+        auto solution = solver.solve(scene, how);
         if (!solution) return solution.error();
-        const std::uint64_t added = solution->links.total();
         state.solution = std::make_shared<const Solution>(std::move(*solution));
-        changed_links = {{"removed", links}, {"retested", 0}, {"added", added}};
+        const LinkChange& change = solver.change();
+        changed_links = {{"removed", change.removed}, {"retested", change.retested}, {"added", change.added}};
         return Done{};
     }
 
@@ -209,7 +210,6 @@ struct LiveSession::Parts {
         before.push_back(std::move(now));
         now = std::move(next);
         built = std::move(*rebuilt);
-        if (now.solution) links = now.solution->links.total();
         return Done{};
     }
 
@@ -261,7 +261,7 @@ struct LiveSession::Parts {
                                             request["material"].get<std::string>(), "exitance", text_of(request, "exitance")),
                         now.scales);
         const std::string name = request["group"].get<std::string>();
-        const std::vector<std::string> names(built.scene.light_groups.begin() + 1, built.scene.light_groups.end());
+        const std::vector<std::string> names(built.scene->light_groups.begin() + 1, built.scene->light_groups.end());
         if (std::find(names.begin(), names.end(), name) == names.end())
             return bad_input("request: /group", "found " + described(name) + ", expected a light group" +
                                                     (names.empty() ? "; the scene has none" : ": " + listed(names)),
@@ -287,9 +287,8 @@ struct LiveSession::Parts {
     Status solve(const json& request) {
         SolveOptions how = options.solve;
         if (request.contains("accuracy")) how.accuracy = request["accuracy"].get<double>();
-        if (!now.solution || now.solution->accuracy != accuracy_of(built.scene, how.accuracy))
+        if (!now.solution || now.solution->accuracy != accuracy_of(*built.scene, how.accuracy))
             if (auto solved = solve_state(now, built.scene, how); !solved) return solved.error();
-        links = now.solution->links.total();
         options.solve = how;
         return Done{};
     }
@@ -306,7 +305,7 @@ struct LiveSession::Parts {
         const auto index = find_instance({path, now.text}, request["name"].get<std::string>());
         if (!index) return index.error();
         if (auto solved = solve_what_waits(); !solved) return solved.error();
-        const Instance& instance = built.scene.instances[*index];
+        const Instance& instance = built.scene->instances[*index];
         const InstanceSolution& solution = now.solution->instances[*index];
         if (!request.contains("file")) {
             reply["radiosity"] = radiosity_rows(instance, solution);
@@ -330,11 +329,10 @@ struct LiveSession::Parts {
         if (!camera) return camera.error();
         if (auto fits = check_file(file); !fits) return fits.error();
         if (auto solved = solve_what_waits(); !solved) return solved.error();
-        const auto own = built.scene.manifest.camera;
-        if (*camera) built.scene.manifest.camera = *camera;
+        Scene seen = *built.scene;
+        if (*camera) seen.manifest.camera = *camera;
         const DeferInterrupts until_written;
-        const auto exposure = write_picture(built.scene, *now.solution, SceneRays(built.scene), *size, file);
-        built.scene.manifest.camera = own;
+        const auto exposure = write_picture(seen, *now.solution, SceneRays(seen), *size, file);
         if (!exposure) return exposure.error();
         reply["exposure"] = *exposure;
         return Done{};
@@ -433,7 +431,7 @@ bool LiveSession::ended() const {
 }
 
 const Scene& LiveSession::scene() const {
-    return parts_->built.scene;
+    return *parts_->built.scene;
 }
 
 const Solution* LiveSession::solution() const {

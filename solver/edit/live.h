@@ -20,8 +20,8 @@ struct LiveOptions {
     std::size_t history_bytes = std::size_t{256} << 20;     // manifests and solutions kept to undo and redo
 };
 
-/// A solved scene and the edits since it was opened. Archives are loaded once and kept; every edit is solved from scratch.
-/// Not thread-safe.
+/// A solved scene and the edits since it was opened. Archives are loaded once and kept; an edit is solved from the scene
+/// before it (SceneSolver). Not thread-safe.
 class LiveSession {
   public:
     /// Reads and solves the scene.

@@ -9,11 +9,6 @@
 
 namespace rro {
 
-/// How often links came and went.
-struct LinkChange {
-    std::uint64_t removed = 0, retested = 0, added = 0;  // retested: judged again, and still a link
-};
-
 /// The links of a scene and the pairs that may become links once they carry light.
 struct LinkSet {
     std::vector<Link> links;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "solver/transport/iterate.h"
+#include "solver/transport/retest.h"
 
 namespace rro {
 namespace {

@@ -3,7 +3,6 @@
 
 #include <memory>
 
-#include "solver/transport/retest.h"
 #include "solver/transport/transport.h"
 
 namespace rro {

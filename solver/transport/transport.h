@@ -20,6 +20,11 @@ struct TransportOptions {
     double far_factor = 5;   // the five-times rule: a pair is far where distance >= factor * larger radius
 };
 
+/// How often links came and went.
+struct LinkChange {
+    std::uint64_t removed = 0, retested = 0, added = 0;  // retested: judged again, and still a link
+};
+
 /// Links, visibility, iteration and refinement until the error estimate is below `accuracy` or no refinement is left.
 /// The result does not depend on the number of threads.
 ///
