@@ -176,7 +176,6 @@ Result<Solution> SceneSolver::solve(std::shared_ptr<const Scene> scene, const So
     links_ = solution->links.total();
     from_scratch_ = !reused || reusable_.from_scratch();
     change_ = reused ? reusable_.change() : LinkChange{before, 0, links_};
-    if (!reused) reusable_.reset();
     return solution;
 }
 

@@ -57,7 +57,10 @@ float LightField<C>::transmittance(std::uint32_t surface, std::size_t c) const {
 template <int C>
 float LightField<C>::exitance(std::uint32_t surface, std::size_t c) const {
     const Node& n = nodes_[surface];
-    return component<C>(nodes_.scene().instances[n.instance].exitance[nodes_.patch_of(n)], c);
+    const Instance& instance = nodes_.scene().instances[n.instance];
+    const std::uint32_t patch = nodes_.patch_of(n);
+    if (light_group_ != kAllGroups && instance.light_group_of(patch) != light_group_) return 0;
+    return component<C>(instance.exitance[patch], c);
 }
 
 template <int C>
@@ -104,13 +107,26 @@ template <int C>
 void LightField<C>::take_over(const LightField& from, const std::vector<std::uint32_t>& node) {
     for (std::size_t n = 0; n < node.size(); ++n)
         for (std::size_t c = 0; c < C && node[n] != kNoNode; ++c) irradiance_[node[n] * C + c] = from.irradiance_[n * C + c];
-    for (std::uint32_t i = 0; i < nodes_.scene().instances.size(); ++i) {
+    relight();
+}
+
+template <int C>
+void LightField<C>::add(const std::vector<float>& irradiance, double scale) {
+    parallel_for(irradiance_.size(), kGrain, [&](std::size_t k) {
+        irradiance_[k] = static_cast<float>(std::max(0.0, double(irradiance_[k]) + scale * double(irradiance[k])));
+    });
+}
+
+template <int C>
+void LightField<C>::relight() {
+    parallel_for(nodes_.scene().instances.size(), 1, [&](std::size_t k) {
+        const auto i = static_cast<std::uint32_t>(k);
         for_each_leaf(i, [&](std::uint32_t id) {
             for (std::size_t c = 0; c < C; ++c) radiosity_[id * C + c] = exitance(id, c) + reflectance(id, c) * irradiance_[id * C + c];
         });
         pull_instance(i);
         if (!other_side_[i].empty()) transmit(i), pull_instance(i);
-    }
+    });
     pull_groups();
 }
 

@@ -15,6 +15,18 @@ class LightField {
   public:
     LightField(const Nodes& nodes, const EndAreas& areas);
 
+    /// What surfaces send, by what they receive and their materials as they are now.
+    void relight();
+
+    /// Adds light that surfaces receive: [nodes * C] irradiance times `scale`. What they send is left to relight().
+    void add(const std::vector<float>& irradiance, double scale);
+
+    void set_irradiance(const std::vector<float>& irradiance) { irradiance_ = irradiance; }
+
+    /// Surfaces of one light group alone emit from now on; kAllGroups: all do.
+    static constexpr std::uint32_t kAllGroups = 0xffffffffu;
+    void emit_only(std::uint32_t light_group) { light_group_ = light_group; }
+
     /// The light that nodes of another field receive; what they send follows from the materials here.
     /// node  [nodes there] number here, or kNoNode
     void take_over(const LightField& from, const std::vector<std::uint32_t>& node);
@@ -97,6 +109,7 @@ class LightField {
     const EndAreas& areas_;
     DirectionBins<C> bins_;
     GroupBins<C> groups_;
+    std::uint32_t light_group_ = kAllGroups;         // that emits
     std::vector<float> radiosity_, irradiance_;      // [nodes * C]
     std::vector<Rgb> outside_;                       // [nodes] leaves' irradiance from sky, sun and lamps, or empty
     std::vector<std::vector<std::uint32_t>> other_side_;  // [instances][faces] node of the other side; empty: nothing passes

@@ -73,6 +73,8 @@ class Nodes {
     explicit Nodes(const Scene& scene);
 
     const Scene& scene() const { return *scene_; }
+    /// The same instances in the same places, of other materials.
+    void set_materials(const Scene& scene) { scene_ = &scene; }
     std::size_t size() const { return nodes_.size(); }
     const Node& operator[](std::uint32_t n) const { return nodes_[n]; }
     const InstanceNodes& instance(std::uint32_t i) const { return instances_[i]; }

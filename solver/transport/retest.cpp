@@ -115,6 +115,7 @@ class Retest {
             const std::uint32_t at = stack.back();
             stack.pop_back();
             const PairRecord r = tree_[at];
+            if (!known_nodes(r)) continue;  // dropped, and its elements are of no use any more
             if (touched(r.a) || touched(r.b)) {
                 if (!upper(r)) clear(at);
                 ask(at, upper(r) ? r.round : 0);

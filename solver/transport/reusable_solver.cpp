@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <map>
+#include <utility>
 
+#include "solver/transport/group_light.h"
 #include "solver/transport/iterate.h"
 #include "solver/transport/retest.h"
 
@@ -38,16 +41,17 @@ constexpr double kMostMoved = 0.5, kMostGrowth = 1.5;
 template <int C>
 struct Stage {
     Stage(std::shared_ptr<const Scene> of, const Plan& plan, const TransportOptions& options)
-        : scene(std::move(of)), nodes(*scene), areas(nodes), rays(*scene), builder(nodes, areas, rays, options),
+        : place(std::move(of)), scene(place), nodes(*scene), areas(nodes), rays(*scene), builder(nodes, areas, rays, options),
           outside(*scene, plan, builder, rays, options), field(nodes, areas) {}
     Stage(std::shared_ptr<const Scene> of, const Plan& plan, const TransportOptions& options, const Stage& before,
           const UsedElements& used, const SceneChange& change)
-        : scene(std::move(of)), nodes(*scene), map(carry_nodes(before.nodes, used, change, nodes)), areas(nodes, &before.areas),
+        : place(std::move(of)), scene(place), nodes(*scene), map(carry_nodes(before.nodes, used, change, nodes)), areas(nodes, &before.areas),
           rays(*scene), builder(nodes, areas, rays, options), outside(*scene, plan, builder, rays, options), field(nodes, areas) {
         field.take_over(before.field, map);
     }
 
-    std::shared_ptr<const Scene> scene;
+    std::shared_ptr<const Scene> place;  // what rays and links refer to
+    std::shared_ptr<const Scene> scene;  // the same, or with the materials it has by now
     Nodes nodes;
     std::vector<std::uint32_t> map;  // [nodes before] their numbers
     EndAreas areas;
@@ -111,7 +115,7 @@ class Engine : public ReusableSolver::State {
         stage_->field.fill(guide_);
         guide_.reflected = reflected_at_first();
         if (set_->tree) schedule_.first = guide_;
-        settle(0, false, solution, progress);
+        settle(0, Links::None, solution, progress);
         links_at_first_ = set_->links.size();
         return solution;
     }
@@ -133,6 +137,11 @@ class Engine : public ReusableSolver::State {
         set_->change = {};
         set_->rays = 0;
         set_->visibility_seconds = 0;
+        if (change.only_materials() && !stage_->outside.any()) {
+            follow_materials(std::move(scene), change, solution, progress);
+            return solution;
+        }
+        groups_.clear();
         const std::unique_ptr<Stage<C>> before = std::move(stage_);
         const bool same_outside = !change.places() && !change.lights;
         UsedElements used = used_elements(*set_, before->nodes);
@@ -151,7 +160,8 @@ class Engine : public ReusableSolver::State {
         if (change.places())
             retest(*set_, stage_->nodes, stage_->builder, schedule_, guide_, touched_by(change, *before));
         solution.seconds.links += seconds_since(linking);
-        settle(kDirectRounds, true, solution, progress);
+        const bool placed = std::find(change.before.begin(), change.before.end(), SceneChange::kPlaced) != change.before.end();
+        settle(kDirectRounds, placed ? Links::Retested : Links::Ready, solution, progress);
         return solution;
     }
 
@@ -171,7 +181,7 @@ class Engine : public ReusableSolver::State {
 
     /// Light from outside comes first: it is a source like emitters, and its shadows divide faces.
     void find_outside(bool anew, Solution& solution, const Progress& progress) {
-        auto& [scene, nodes, map, areas, rays, builder, outside, field] = *stage_;
+        auto& [place, scene, nodes, map, areas, rays, builder, outside, field] = *stage_;
         const auto start = Clock::now();
         entering_ = 0;
         if (!outside.any()) return;
@@ -210,6 +220,52 @@ class Engine : public ReusableSolver::State {
         }
     }
 
+    /// No link changes. Where whole light groups are dimmed, not even a sweep is needed.
+    void follow_materials(std::shared_ptr<const Scene> scene, const SceneChange& change, Solution& solution, const Progress& progress) {
+        auto start = Clock::now();
+        before_ = std::exchange(stage_->scene, std::move(scene));
+        const bool dimmed = !change.reflectance && plan.on("interreflection") && dim(*before_);
+        stage_->nodes.set_materials(*stage_->scene);
+        if (!dimmed) groups_.clear();
+        before_.reset();
+        sources_ = sources_of(stage_->nodes, stage_->field);
+        stage_->field.relight();
+        solution.seconds.iterate += seconds_since(start);
+        guide_.share = schedule_.rounds.back().of_instance;
+        guide_.scene_share = schedule_.rounds.back().of_scene;
+        settle(kDirectRounds, dimmed ? Links::Lit : Links::Swept, solution, progress);
+    }
+
+    /// Adds or takes away light of groups that are dimmed as a whole; false, and nothing done, where more than that differs.
+    bool dim(const Scene& before) {
+        std::vector<std::pair<const GroupLight*, double>> changes;
+        for (const std::uint32_t group : changed_groups(before, *stage_->scene)) {
+            const auto level = [&](const Scene& scene) { return level_of_group(scene, group, *groups_[group].lit_in); };
+            const bool known = groups_.count(group) > 0 && level(before) && level(*stage_->scene);
+            if (!known) groups_[group] = light_of_group(group);
+            const auto then = level(before), now = level(*stage_->scene);
+            if (!then || !now) return false;
+            changes.emplace_back(&groups_[group], *now - *then);
+        }
+        for (const auto& [light, more] : changes) stage_->field.add(light->irradiance, more);
+        return !changes.empty();
+    }
+
+    /// Solves for one group by itself, over the links there are: in the scene before a change if it shines there.
+    GroupLight light_of_group(std::uint32_t group) {
+        LightField<C>& field = stage_->field;
+        const std::vector<float> all = field.irradiance();
+        const std::shared_ptr<const Scene> lit_in = shines(*before_, group) ? before_ : stage_->scene;
+        stage_->nodes.set_materials(*lit_in);
+        field.emit_only(group);
+        field.extinguish();
+        iterate(field, options.accuracy / 10, sources_.largest_reflectance, kMostSweeps);
+        GroupLight light{lit_in, field.irradiance()};
+        field.emit_only(LightField<C>::kAllGroups);
+        field.set_irradiance(all);
+        return light;
+    }
+
     /// The guides of the first round and of later ones, before retest.
     void begin_guides() {
         const LightField<C>& field = stage_->field;
@@ -243,6 +299,13 @@ class Engine : public ReusableSolver::State {
         return touched;
     }
 
+    /// Does light reach pairs that had none?
+    bool pending_light() const {
+        return std::any_of(set_->pending.begin(), set_->pending.end(), [&](const Pair& pair) {
+            return guide_.radiosity[pair.a] > 0 || guide_.radiosity[pair.b] > 0;
+        });
+    }
+
     /// Lowers the share of links where errors are too large. Returns whether they are small enough everywhere.
     bool lower_shares(const ErrorEstimate& estimate, double allowed) {
         bool good = true;
@@ -261,10 +324,9 @@ class Engine : public ReusableSolver::State {
         return good;
     }
 
-    /// Links for the light as it is known.
-    void link(bool linked) {
-        auto& [scene, nodes, map, areas, rays, builder, outside, field] = *stage_;
-        if (!linked) refine(*set_, nodes, guide_, builder);
+    /// Makes the light field carry the links as they are.
+    void prepare_sweeps() {
+        auto& [place, scene, nodes, map, areas, rays, builder, outside, field] = *stage_;
         field.grow();
         if (outside.any()) {
             outside.find(nodes);
@@ -277,36 +339,42 @@ class Engine : public ReusableSolver::State {
 
     bool closed() const { return plan.on("self") && is_closed_shell(*stage_->scene); }
 
-    /// Rounds of linking and iterating until the estimate fits. linked: the links of the first one are there.
-    void settle(int round, bool linked, Solution& solution, const Progress& progress) {
+    /// What the first round of settle() finds: nothing; links that were judged without the light of what was placed; links;
+    /// links; links that the light field carries already, light of other materials; links and light.
+    enum class Links { None, Retested, Ready, Swept, Lit };
+
+    /// Rounds of linking and iterating until the estimate fits.
+    void settle(int round, Links links, Solution& solution, const Progress& progress) {
         LightField<C>& field = stage_->field;
         const Nodes& nodes = stage_->nodes;
-        const bool bounces = plan.on("interreflection"), follows = linked;
+        const bool bounces = plan.on("interreflection"), follows = links != Links::None;
         const double allowed = 0.99 * options.accuracy;  // a tenth is left to the iteration, added by squares
         solution.accuracy = options.accuracy;
         double error = 0;
         int settled = 0;
-        Residual residual;
+        Residual residual{0, residual_.relative};
         HindSight hind_sight;
-        for (; round < kMostRounds; ++round) {
+        for (const int first = round; round < kMostRounds; ++round) {
+            const bool ready = follows && round == first;
             if (progress) progress("links", double(round) / kMostRounds);
             auto start = Clock::now();
-            const LinkChange last = set_->change;
             if (set_->tree && !follows) schedule_.rounds.push_back({guide_.share, guide_.scene_share});
             set_->round = static_cast<std::uint8_t>(std::max<std::size_t>(schedule_.rounds.size(), 1) - 1);
             const std::size_t before = nodes.size(), links_before = set_->links.size();
             const std::uint64_t rays_before = set_->rays;
-            link(linked);
-            const bool changed = linked ? last.removed + last.retested + last.added > 0
-                                        : nodes.size() != before || set_->links.size() != links_before || set_->rays != rays_before;
-            linked = false;
+            if (!ready) groups_.clear();
+            if (!ready) refine(*set_, stage_->nodes, guide_, stage_->builder);
+            if (!ready || links < Links::Swept) prepare_sweeps();
+            const bool changed = ready ? links == Links::Retested || pending_light()
+                                       : nodes.size() != before || set_->links.size() != links_before || set_->rays != rays_before;
             solution.seconds.links += seconds_since(start);
 
             if (progress) progress("iterate", double(round) / kMostRounds);
             start = Clock::now();
             if (!bounces) field.extinguish();
             const int most = !bounces ? 1 : round < kDirectRounds ? 2 : kMostSweeps;
-            residual = iterate(field, kSteering * options.accuracy, sources_.largest_reflectance, most);
+            if (!ready || links != Links::Lit)
+                residual = iterate(field, kSteering * options.accuracy, sources_.largest_reflectance, most);
             if (!bounces) residual.relative = 0;  // one sweep is all there is
             solution.iterations += residual.sweeps;
             solution.seconds.iterate += seconds_since(start);
@@ -327,6 +395,7 @@ class Engine : public ReusableSolver::State {
             solution.iterations += residual.sweeps;
             solution.seconds.iterate += seconds_since(start);
         }
+        residual_ = residual;
         solution.residual = residual.relative;
         solution.estimated_error = std::hypot(error, residual.relative);
         solution.converged = solution.estimated_error <= options.accuracy;
@@ -351,6 +420,9 @@ class Engine : public ReusableSolver::State {
     Guide guide_;
     Schedule schedule_;
     Sources sources_;
+    std::map<std::uint32_t, GroupLight> groups_;  // by number; of the links as they are
+    std::shared_ptr<const Scene> before_;         // while materials change
+    Residual residual_;                           // of the light as it is
     double entering_ = 0;  // sum of A R^2 of light from outside, reflected once, W^2/m^2
     double first_seconds_ = 0;
     std::size_t links_at_first_ = 0;

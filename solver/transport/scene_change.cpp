@@ -24,8 +24,9 @@ SceneChange scene_change(const Scene& before, const Scene& after) {
         const Instance& then = before.instances[found->second];
         stays[found->second] = 1;
         change.moved.back() = then.to_world == now.to_world ? 0 : 1;
-        change.materials = change.materials || then.reflectance != now.reflectance || then.exitance != now.exitance ||
-                           then.transmittance != now.transmittance;
+        change.exitance = change.exitance || then.exitance != now.exitance;
+        change.reflectance = change.reflectance || then.reflectance != now.reflectance;
+        change.transmittance = change.transmittance || then.transmittance != now.transmittance;
     }
     for (std::uint32_t i = 0; i < stays.size(); ++i)
         if (!stays[i]) change.deleted.push_back(i);

@@ -14,12 +14,13 @@ struct SceneChange {
     std::vector<std::uint32_t> before;   // [instances] its number before; kPlaced: it was not there
     std::vector<std::uint8_t> moved;     // [instances] stands elsewhere, or was not there
     std::vector<std::uint32_t> deleted;  // numbers before
-    bool materials = false;              // of an instance that was there before
+    bool exitance = false, reflectance = false, transmittance = false;  // of instances that were there before
     bool lights = false;                 // lamps
     bool surroundings = false;           // sky, sun or medium
 
     bool places() const;
-    bool any() const { return places() || materials || lights || surroundings; }
+    /// Nothing but what surfaces emit and reflect.
+    bool only_materials() const { return !places() && !lights && !surroundings && !transmittance; }
 };
 
 /// Instances are the same where name and archive are.

@@ -1,0 +1,212 @@
+#include "solver/transport/reusable_solver.h"
+
+#include <cstring>
+#include <random>
+
+#include "tests/support/solutions.h"
+
+using namespace rro;
+using namespace rro::test;
+
+namespace {
+
+constexpr double kAccuracy = 0.1;
+
+/// A room with a lamp under its ceiling and four boxes, of which three are of one archive.
+class Room {
+  public:
+    Room() : scene_(make_scene({{turned_inside_out(make_box(4, 3, 4, 4, {2, 1.5, 2})), {}, {0.7, 0.6, 0.5}, {}, "room"},
+                                {make_box(0.8, 0.1, 0.8), translation({1.6, 2.7, 1.6}), {0.5, 0.5, 0.5}, {60, 55, 50}, "lamp"},
+                                {make_box(0.6, 0.9, 0.6, 2, {0.3, 0.45, 0.3}), translation({0.6, 0.001, 0.6}), {0.6, 0.3, 0.3}, {}, "a"}})) {
+        box_ = scene_.instances[2].object;
+        place("b", {2.6, 0.001, 0.8});
+        place("c", {1.5, 0.001, 2.6});
+    }
+
+    std::shared_ptr<const Scene> scene() const { return std::make_shared<const Scene>(copy()); }
+    Scene copy() const {
+        Scene s = scene_;
+        return s;
+    }
+    void place(const std::string& name, const Vec3& at) {
+        add_instance(scene_, *box_, translation(at), {0.4, 0.6, 0.4}, {}, name);
+    }
+    void erase(const std::string& name) {
+        const std::size_t i = find(name);
+        scene_.instances.erase(scene_.instances.begin() + static_cast<std::ptrdiff_t>(i));
+        scene_.manifest.instances.erase(scene_.manifest.instances.begin() + static_cast<std::ptrdiff_t>(i));
+    }
+    void move(const std::string& name, const Vec3& to) {
+        const std::size_t i = find(name);
+        Instance& instance = scene_.instances[i];
+        const Vec3 by = to - instance.to_world.translation;
+        instance.bounds.lo += by;
+        instance.bounds.hi += by;
+        instance.to_world.translation = to;
+        instance.to_local = instance.to_world.inverse();
+    }
+    void paint(const std::string& name, const Vec3& reflectance) {
+        Instance& instance = scene_.instances[find(name)];
+        instance.reflectance.assign(instance.reflectance.size(), to_float(reflectance));
+    }
+    void shine(const std::string& name, const Vec3& exitance, std::uint32_t group) {
+        Instance& instance = scene_.instances[find(name)];
+        instance.exitance.assign(instance.exitance.size(), to_float(exitance));
+        instance.light_group.assign(instance.exitance.size(), group);
+        scene_.light_groups = {"", "evening"};
+    }
+    std::vector<std::string> boxes() const {
+        std::vector<std::string> names;
+        for (const Instance& i : scene_.instances)
+            if (i.object == box_) names.push_back(i.name);
+        return names;
+    }
+
+  private:
+    std::size_t find(const std::string& name) const {
+        for (std::size_t i = 0; i < scene_.instances.size(); ++i)
+            if (scene_.instances[i].name == name) return i;
+        FAIL("no instance " << name);
+        return 0;
+    }
+
+    Scene scene_;
+    const Object* box_ = nullptr;
+};
+
+/// The solver and how it is asked.
+struct Session {
+    ReusableSolver solver;
+
+    Solution solve(const Room& room) {
+        const auto scene = room.scene();
+        auto plan = plan_effects(*scene, {});
+        REQUIRE(plan);
+        TransportOptions options;
+        options.accuracy = kAccuracy;
+        auto solution = solver.solve(scene, *plan, options);
+        REQUIRE(solution);
+        return std::move(*solution);
+    }
+};
+
+Solution from_scratch(const Room& room) { return solve_reusably(*room.scene(), kAccuracy); }
+
+bool same_bits(const Solution& a, const Solution& b) {
+    bool same = a.instances.size() == b.instances.size();
+    for (std::size_t i = 0; same && i < a.instances.size(); ++i) {
+        const auto &x = a.instances[i].radiosity, &y = b.instances[i].radiosity;
+        same = x.size() == y.size() && std::memcmp(x.data(), y.data(), x.size() * sizeof x[0]) == 0;
+    }
+    return same;
+}
+
+double difference(const Room& room, const Solution& a, const Solution& b) { return compare(*room.scene(), a, b).all.error(); }
+
+}  // namespace
+
+TEST_CASE("the first solve of a solver that follows edits is the plain solve, bit for bit", "[edit]") {
+    const Room room;
+    Session session;
+    const Solution solution = session.solve(room);
+    CHECK(session.solver.from_scratch());
+    CHECK(session.solver.change().added == solution.links.total());
+    CHECK(same_bits(solution, from_scratch(room)));
+}
+
+TEST_CASE("what does not change costs nothing: the same scene again", "[edit]") {
+    const Room room;
+    Session session;
+    const Solution first = session.solve(room), again = session.solve(room);
+    CHECK_FALSE(session.solver.from_scratch());
+    CHECK(session.solver.change().added + session.solver.change().retested + session.solver.change().removed == 0);
+    CHECK(again.rays == 0);
+    CHECK(again.links.total() == first.links.total());
+    // Light that is iterated on only comes nearer to what it is to converge to.
+    CHECK(difference(room, again, first) < kAccuracy / 10);
+}
+
+TEST_CASE("a moved box: only what it touches is judged again, and the light is that of a solve from scratch", "[edit]") {
+    Room room;
+    Session session;
+    const Solution first = session.solve(room);
+    room.move("b", {2.6, 0.001, 1.1});
+    const Solution moved = session.solve(room);
+    CHECK_FALSE(session.solver.from_scratch());
+    const LinkChange& change = session.solver.change();
+    CHECK(change.added > 0);
+    CHECK(change.removed > 0);
+    CHECK(change.retested > 0);
+    CHECK(change.added + change.retested < moved.links.total());
+    CHECK(moved.rays < first.rays);
+    // Target A6: a tenth of the accuracy.
+    CHECK(difference(room, moved, from_scratch(room)) < kAccuracy / 10);
+}
+
+TEST_CASE("placed, deleted and moved at once", "[edit]") {
+    Room room;
+    Session session;
+    session.solve(room);
+    room.place("d", {2.9, 0.001, 2.9});
+    room.erase("a");
+    room.move("c", {1.0, 0.001, 2.2});
+    const Solution edited = session.solve(room);
+    CHECK_FALSE(session.solver.from_scratch());
+    CHECK(difference(room, edited, from_scratch(room)) < kAccuracy / 10);
+}
+
+TEST_CASE("materials change no link", "[edit]") {
+    Room room;
+    Session session;
+    session.solve(room);
+    room.paint("b", {0.2, 0.2, 0.7});
+    const Solution painted = session.solve(room);
+    const LinkChange& change = session.solver.change();
+    CHECK(change.added + change.removed + change.retested == 0);
+    CHECK(painted.rays == 0);
+    CHECK(difference(room, painted, from_scratch(room)) < kAccuracy / 10);
+}
+
+TEST_CASE("a dimmed light group is a weighted sum: no link, no ray, and from the second time on no sweep", "[edit]") {
+    Room room;
+    room.shine("lamp", {60, 55, 50}, 1);
+    room.shine("a", {5, 5, 8}, 0);
+    Session session;
+    session.solve(room);
+    for (const double scale : {0.5, 0.0, 0.25, 1.0, 2.0}) {
+        room.shine("lamp", Vec3{60, 55, 50} * scale, 1);
+        const Solution dimmed = session.solve(room);
+        INFO("scale " << scale);
+        CHECK(session.solver.change().added + session.solver.change().removed == 0);
+        CHECK(dimmed.iterations == 0);
+        CHECK(difference(room, dimmed, from_scratch(room)) < kAccuracy / 5);
+    }
+}
+
+TEST_CASE("there and back: many random edits drift nowhere and the solver grows no further", "[edit]") {
+    Room room;
+    Session session;
+    const Solution first = session.solve(room);
+    std::mt19937 random(7);
+    const auto uniform = [&](double lo, double hi) { return lo + (hi - lo) * random() / 4294967296.0; };
+    std::uint64_t most = 0;
+    for (int edit = 0; edit < 24; ++edit) {
+        const std::vector<std::string> boxes = room.boxes();
+        const Vec3 at{uniform(0.2, 3.2), 0.001, uniform(0.2, 3.2)};
+        const std::uint32_t kind = random() % 4;
+        if (kind == 0 && boxes.size() < 5) room.place("new " + std::to_string(edit), at);
+        else if (kind == 1 && boxes.size() > 2) room.erase(boxes[random() % boxes.size()]);
+        else room.move(boxes[random() % boxes.size()], at);
+        const Solution edited = session.solve(room);
+        CHECK(edited.converged);
+        most = std::max(most, session.solver.bytes());
+        if (edit % 8 == 7) {
+            INFO("after " << edit + 1 << " edits");
+            CHECK(difference(room, edited, from_scratch(room)) < kAccuracy / 5);
+        }
+    }
+    Session alone;
+    alone.solve(room);
+    // Links may grow to one and a half of what a solve from scratch has before the next edit starts anew.
+    CHECK(session.solver.bytes() < 3 * alone.solver.bytes());
+}
