@@ -259,7 +259,8 @@ class Retest {
 UsedElements used_elements(const LinkSet& set, const Nodes& nodes) {
     UsedElements used(nodes.size(), 0);
     for (const PairRecord& r : set.tree->records())
-        if (r.split() || r.fate == PairFate::Linked || r.fate == PairFate::Pending) used[r.a] = used[r.b] = 1;
+        if (&r != set.tree->records().data() && (r.split() || r.fate == PairFate::Linked || r.fate == PairFate::Pending))
+            used[r.a] = used[r.b] = 1;
     return used;
 }
 

