@@ -14,6 +14,7 @@ namespace rro {
 struct GroupLight {
     std::shared_ptr<const Scene> lit_in;  // with the group's exitance in this scene
     std::vector<float> irradiance;        // as LightField::irradiance()
+    double residual = 0;                  // of R, as LightField::reflected_norm()
 };
 
 /// The light groups whose exitance differs between two scenes that are otherwise the same; empty where surfaces of no group

@@ -33,6 +33,8 @@ constexpr double kWorstInstance = 2;
 constexpr int kInstanceRounds = 1;  // for them alone
 // Instances below this share of the reflected power do not count by themselves (contract: accuracy).
 constexpr double kCountingShare = 1e-3;
+// Light that is to be added up may be this part of the accuracy away from converged.
+constexpr double kSummed = 0.005;
 // Where edits have moved more than this part of the surface, or links have become more than this many times those of the
 // last solve from scratch, there is nothing left to be saved.
 constexpr double kMostMoved = 0.5, kMostGrowth = 1.5;
@@ -238,31 +240,45 @@ class Engine : public ReusableSolver::State {
 
     /// Adds or takes away light of groups that are dimmed as a whole; false, and nothing done, where more than that differs.
     bool dim(const Scene& before) {
-        std::vector<std::pair<const GroupLight*, double>> changes;
+        LightField<C>& field = stage_->field;
+        std::vector<std::pair<std::uint32_t, double>> changes;
         for (const std::uint32_t group : changed_groups(before, *stage_->scene)) {
             const auto level = [&](const Scene& scene) { return level_of_group(scene, group, *groups_[group].lit_in); };
             const bool known = groups_.count(group) > 0 && level(before) && level(*stage_->scene);
             if (!known) groups_[group] = light_of_group(group);
             const auto then = level(before), now = level(*stage_->scene);
             if (!then || !now) return false;
-            changes.emplace_back(&groups_[group], *now - *then);
+            changes.emplace_back(group, *now - *then);
         }
-        for (const auto& [light, more] : changes) stage_->field.add(light->irradiance, more);
+        // What the iterations left undone stays when the light goes.
+        double left = residual_.relative * field.reflected_norm();
+        for (const auto& [group, more] : changes) {
+            field.add(groups_[group].irradiance, more);
+            left += std::abs(more) * groups_[group].residual;
+        }
+        const double norm = field.reflected_norm();
+        residual_.relative = norm > 0 ? left / norm : 0;
         return !changes.empty();
     }
 
-    /// Solves for one group by itself, over the links there are: in the scene before a change if it shines there.
+    /// Solves for one group by itself, over the links there are: in the scene before a change if it shines there. Both this
+    /// and the light of the whole are iterated far enough for sums of them.
     GroupLight light_of_group(std::uint32_t group) {
         LightField<C>& field = stage_->field;
+        const double goal = kSummed * options.accuracy;
+        stage_->nodes.set_materials(*before_);
+        if (residual_.relative > goal) residual_ = iterate(field, goal, sources_.largest_reflectance, kMostSweeps);
         const std::vector<float> all = field.irradiance();
-        const std::shared_ptr<const Scene> lit_in = shines(*before_, group) ? before_ : stage_->scene;
-        stage_->nodes.set_materials(*lit_in);
+        GroupLight light{shines(*before_, group) ? before_ : stage_->scene, {}, 0};
+        stage_->nodes.set_materials(*light.lit_in);
         field.emit_only(group);
         field.extinguish();
-        iterate(field, options.accuracy / 10, sources_.largest_reflectance, kMostSweeps);
-        GroupLight light{lit_in, field.irradiance()};
+        const Residual left = iterate(field, goal, sources_.largest_reflectance, kMostSweeps);
+        light.irradiance = field.irradiance();
+        light.residual = left.relative * field.reflected_norm();
         field.emit_only(LightField<C>::kAllGroups);
         field.set_irradiance(all);
+        field.relight();
         return light;
     }
 
