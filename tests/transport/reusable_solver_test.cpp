@@ -31,8 +31,8 @@ class Room {
         Scene s = scene_;
         return s;
     }
-    void place(const std::string& name, const Vec3& at) {
-        add_instance(scene_, *box_, translation(at), {0.4, 0.6, 0.4}, {}, name);
+    void place(const std::string& name, const Vec3& at, double scale = 1) {
+        add_instance(scene_, *box_, {Mat3{{Vec3{scale, 0, 0}, Vec3{0, scale, 0}, Vec3{0, 0, scale}}}, at}, {0.4, 0.6, 0.4}, {}, name);
     }
     void erase(const std::string& name) {
         const std::size_t i = find(name);
@@ -76,6 +76,14 @@ class Room {
     Scene scene_;
     const Object* box_ = nullptr;
 };
+
+/// So many boxes on the floor that they are grouped.
+Room crowd() {
+    Room room;
+    for (int k = 0; k < 36; ++k)
+        if (k % 6 < 5) room.place("crowd " + std::to_string(k), {0.1 + 0.6 * (k % 6), 0.95, 0.1 + 0.6 * (k / 6)}, 0.3);
+    return room;
+}
 
 /// The solver and how it is asked.
 struct Session {
@@ -158,6 +166,22 @@ TEST_CASE("placed, deleted and moved at once", "[edit]") {
     room.place("d", {2.9, 0.001, 2.9});
     room.erase("a");
     room.move("c", {1.0, 0.001, 2.2});
+    const Solution edited = session.solve(room);
+    CHECK_FALSE(session.solver.from_scratch());
+    CHECK(difference(room, edited, from_scratch(room)) < kAgreement);
+}
+
+TEST_CASE("edits of a scene whose instances are grouped", "[edit]") {
+    Room room = crowd();
+    Session session;
+    session.solve(room);
+    room.move("crowd 9", {1.9, 1.3, 0.8});
+    const Solution moved = session.solve(room);
+    CHECK_FALSE(session.solver.from_scratch());
+    CHECK(session.solver.change().added + session.solver.change().retested < moved.links.total());
+    CHECK(difference(room, moved, from_scratch(room)) < kAgreement);
+    room.erase("crowd 20");
+    room.place("new", {3.4, 0.001, 3.4}, 0.5);
     const Solution edited = session.solve(room);
     CHECK_FALSE(session.solver.from_scratch());
     CHECK(difference(room, edited, from_scratch(room)) < kAgreement);
