@@ -17,6 +17,17 @@ Status check_transform(const std::string& name, const Affine3& to_world) {
     return bad_input(name, "found a singular or infinite transform, expected an invertible one");
 }
 
+void dim_group(Scene& scene, const std::string& name, double scale) {
+    const auto at = std::find(scene.light_groups.begin() + 1, scene.light_groups.end(), name);
+    if (at == scene.light_groups.end()) return;
+    const auto group = static_cast<std::uint32_t>(at - scene.light_groups.begin());
+    for (Instance& instance : scene.instances)
+        for (std::size_t p = 0; p < instance.exitance.size(); ++p)
+            if (instance.light_group_of(p) == group) instance.exitance[p] = to_float(to_double(instance.exitance[p]) * scale);
+    for (PointLight& lamp : scene.lights)
+        if (lamp.group == group) lamp.intensity *= scale;
+}
+
 }  // namespace
 
 SceneSession::SceneSession(Manifest manifest, SolveOptions options, Scene scene)
@@ -91,9 +102,16 @@ Status SceneSession::set_exitance(std::string_view name, std::string material, c
     return set_material(name, std::move(material), fields);
 }
 
+Status SceneSession::dim(std::string light_group, double scale) {
+    if (!(scale >= 0 && std::isfinite(scale))) return bad_input(light_group, "found a scale that is negative or infinite");
+    light_scales_[std::move(light_group)] = scale;
+    return Done{};
+}
+
 Result<const Solution*> SceneSession::solve(const Progress& progress) {
     auto scene = open_scene(manifest_, wanted_, opened_);
     if (!scene) return scene.error();
+    for (const auto& [group, scale] : light_scales_) dim_group(*scene, group, scale);
     leave_out(options_.overrides, *scene);
     for (const auto& object : scene->objects)
         if (std::find(opened_.begin(), opened_.end(), object) == opened_.end()) opened_.push_back(object);

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -32,6 +33,10 @@ class SceneSession {
     Status set_reflectance(std::string_view name, std::string material, const Vec3& reflectance);
     Status set_exitance(std::string_view name, std::string material, const Vec3& exitance);  // W/m^2
 
+    /// Dims all surfaces and lamps of a light group to `scale` times what the manifest says.
+    /// errors   BadInput: a negative or infinite scale. Groups that the scene lacks are dark anyway.
+    Status dim(std::string light_group, double scale);
+
     /// Solves the scene as it stands. After an error it can be edited further; the solution before stays.
     /// errors   as open_scene and solve_scene
     Result<const Solution*> solve(const Progress& progress = {});
@@ -52,6 +57,7 @@ class SceneSession {
 
     Manifest manifest_;
     SolveOptions options_;
+    std::map<std::string, double> light_scales_;  // by group
     SectionSet wanted_;
     std::vector<std::shared_ptr<const Object>> opened_;  // every archive met so far
     std::shared_ptr<const Scene> scene_;

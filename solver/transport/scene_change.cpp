@@ -30,7 +30,9 @@ SceneChange scene_change(const Scene& before, const Scene& after) {
     }
     for (std::uint32_t i = 0; i < stays.size(); ++i)
         if (!stays[i]) change.deleted.push_back(i);
-    change.lights = before.manifest.lights != after.manifest.lights || before.lights.size() != after.lights.size();
+    const auto same_intensity = [](const PointLight& a, const PointLight& b) { return a.intensity == b.intensity; };
+    change.lights = before.manifest.lights != after.manifest.lights ||
+                    !std::equal(before.lights.begin(), before.lights.end(), after.lights.begin(), after.lights.end(), same_intensity);
     const auto absorption = [](const Scene& s) { return s.medium ? s.medium->absorption : Vec3{}; };
     change.surroundings = before.manifest.sky != after.manifest.sky || before.manifest.sun != after.manifest.sun ||
                           before.sky.has_value() != after.sky.has_value() || before.sun.has_value() != after.sun.has_value() ||

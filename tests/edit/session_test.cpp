@@ -22,7 +22,7 @@ class SessionFiles : public SceneFiles {
         path = instances(R"({"name": "low", "archive": "box.rro"},
                             {"name": "beside", "archive": "box.rro", "transform": {"translate": [1.5, 0, 0]}},
                             {"name": "lamp", "archive": "box.rro", "transform": {"translate": [0, 2, 0]},
-                             "materials": {"*": {"exitance": [10, 10, 10]}}})",
+                             "materials": {"*": {"exitance": [10, 10, 10], "group": "evening"}}})",
                          R"(, "accuracy": 0.2)");
     }
     std::filesystem::path path;
@@ -56,6 +56,11 @@ TEST_CASE("a session edits, solves and reads", "[session]") {
     REQUIRE(session->solve());
     CHECK(top(*session) == Approx(before).epsilon(0.2 * 0.15));  // a tenth of the accuracy, and half as much again
 
+    REQUIRE(session->dim("evening", 0.5));
+    REQUIRE(session->solve());
+    CHECK(top(*session) == Approx(0.5 * before).epsilon(0.2 * 0.15));
+    REQUIRE(session->dim("evening", 1));
+
     REQUIRE(session->set_exitance("lamp", "*", {0, 0, 0}));
     REQUIRE(session->solve());
     CHECK(top(*session) == 0);
@@ -83,6 +88,7 @@ TEST_CASE("a session refuses what makes no scene, and stays", "[session]") {
     CHECK_FALSE(session->place("a/b", files.folder / "box.rro", {}));
     CHECK_FALSE(session->set_reflectance("low", "*", {1, 0, 0}));
     CHECK_FALSE(session->set_exitance("low", "*", {-1, 0, 0}));
+    CHECK_FALSE(session->dim("evening", -1));
     CHECK_FALSE(session->radiosity("low", 12));
     REQUIRE(session->place("missing", files.folder / "none.rro", {}));
     CHECK_FALSE(session->solve());
