@@ -34,7 +34,7 @@ constexpr int kInstanceRounds = 1;  // for them alone
 // Instances below this share of the reflected power do not count by themselves (contract: accuracy).
 constexpr double kCountingShare = 1e-3;
 // Light that is to be added up may be this part of the accuracy away from converged.
-constexpr double kSummed = 0.005;
+constexpr double kSummed = 0.01;
 // Where edits have moved more than this part of the surface, or links have become more than this many times those of the
 // last solve from scratch, there is nothing left to be saved.
 constexpr double kMostMoved = 0.5, kMostGrowth = 1.5;
