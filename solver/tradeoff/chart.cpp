@@ -15,6 +15,7 @@ constexpr double kRadius = 5;
 constexpr double kMargin = 1.25;          // of the axes beyond the outermost marks, as a factor
 constexpr std::size_t kFewTicks = 12;
 constexpr double kLegendRow = 20;
+constexpr double kLetter = 7.5, kLetterHeight = 14;  // of labels, about
 
 template <class... Values>
 std::string line(const char* format, Values... values) {
@@ -79,7 +80,39 @@ std::string shape(int style, double x, double y) {
     }
 }
 
-std::string mark_svg(const Mark& m, int style, const Axis& ax, const Axis& ay) {
+/// Labels beside marks, none over another or over a mark; one without room is left out, as pointing at the mark tells it.
+class Labels {
+  public:
+    void keep_clear(double x, double y) { taken_.push_back({x - kRadius, y - kRadius, x + kRadius, y + kRadius}); }
+
+    std::string place(const std::string& label, double x, double y) {
+        if (label.empty()) return "";
+        const double width = kLetter * static_cast<double>(label.size());
+        for (const bool left : {false, true})
+            for (const double below : {-8.0, 18.0, 5.0}) {
+                const double start = left ? x - 12 - width : x + 12, base = y + below;
+                const Area area{start, base - kLetterHeight, start + width, base + 3};
+                if (area.x0 < kLeft || area.x1 > kWidth || area.y1 > kHeight - kBottom || meets_any(area)) continue;
+                taken_.push_back(area);
+                return line("<text x=\"%.1f\" y=\"%.1f\"%s>", left ? x - 12 : x + 12, base, left ? " text-anchor=\"end\"" : "") +
+                       html_text(label) + "</text>";
+            }
+        return "";
+    }
+
+  private:
+    struct Area {
+        double x0, y0, x1, y1;
+    };
+    bool meets_any(const Area& a) const {
+        return std::any_of(taken_.begin(), taken_.end(), [&](const Area& b) {
+            return a.x0 < b.x1 && b.x0 < a.x1 && a.y0 < b.y1 && b.y0 < a.y1;
+        });
+    }
+    std::vector<Area> taken_;
+};
+
+std::string mark_svg(const Mark& m, int style, const Axis& ax, const Axis& ay, Labels& labels) {
     const double x = ax.place(m.x), y = ay.place(m.y);
     const std::string text = html_text(m.text);
     std::string out = "<g class=\"mark\" tabindex=\"0\" role=\"" + std::string(m.target.empty() ? "img" : "button") + "\" aria-label=\"" +
@@ -90,14 +123,10 @@ std::string mark_svg(const Mark& m, int style, const Axis& ax, const Axis& ay) {
     if (m.y_high > m.y_low) out += line("<path class=\"bar\" d=\"M%.1f %.1fV%.1f\"/>", x, ay.place(m.y_low), ay.place(m.y_high));
     out += shape(style, x, y);
     if (m.ring) out += line("<circle class=\"ring\" cx=\"%.1f\" cy=\"%.1f\" r=\"11\"/>", x, y);
-    const bool left = x > kWidth - 120;  // labels near the right edge stand left of their mark
-    if (!m.label.empty())
-        out += line("<text x=\"%.1f\" y=\"%.1f\"%s>", left ? x - 10 : x + 10, y - 8, left ? " text-anchor=\"end\"" : "") +
-               html_text(m.label) + "</text>";
-    return out + "</g>";
+    return out + labels.place(m.label, x, y) + "</g>";
 }
 
-std::string series_svg(const Series& s, const Axis& x, const Axis& y) {
+std::string series_svg(const Series& s, const Axis& x, const Axis& y, Labels& labels) {
     std::string out = line("<g class=\"series s%d\">", s.style);
     if (s.line) {
         out += "<path class=\"line\" d=\"";
@@ -105,7 +134,7 @@ std::string series_svg(const Series& s, const Axis& x, const Axis& y) {
             out += line("%c%.1f %.1f", i == 0 ? 'M' : 'L', x.place(s.marks[i].x), y.place(s.marks[i].y));
         out += "\"/>";
     }
-    for (const Mark& m : s.marks) out += mark_svg(m, s.style, x, y);
+    for (const Mark& m : s.marks) out += mark_svg(m, s.style, x, y, labels);
     return out + "</g>";
 }
 
@@ -169,7 +198,10 @@ std::string chart_svg(const Chart& chart) {
                       line("viewBox=\"0 0 %.0f %.0f\">", kWidth, kHeight + kLegendRow * static_cast<double>(named));
     out += "<desc id=\"" + chart.id + "-text\">" + html_text(chart.description) + "</desc>";
     out += grid(chart, x, y) + levels(chart, x, y);
-    for (const Series& s : chart.series) out += series_svg(s, x, y);
+    Labels beside;
+    for (const Series& s : chart.series)
+        for (const Mark& m : s.marks) beside.keep_clear(x.place(m.x), y.place(m.y));
+    for (const Series& s : chart.series) out += series_svg(s, x, y, beside);
     return out + legend(chart) + "</svg>\n";
 }
 

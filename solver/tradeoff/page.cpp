@@ -39,7 +39,7 @@ std::string base64(std::string_view bytes) {
     return out;
 }
 
-std::string seconds_text(const Spread& s) {
+std::string seconds_text(const Timing& s) {
     return s.low < s.high ? line("%.3g s (%.3g to %.3g)", s.median, s.low, s.high) : line("%.3g s", s.median);
 }
 
@@ -60,7 +60,7 @@ std::string mark_text(const Point& p) {
 }
 
 Mark mark_of(const Point& p, std::string label, std::string target) {
-    const Spread s = p.seconds();
+    const Timing s = p.seconds();
     const MeasuredError& e = p.runs[0].measured;
     return {s.median, e.error, s.low, s.high, e.low, e.high, mark_text(p), std::move(label), p.knee, std::move(target)};
 }
@@ -107,7 +107,7 @@ std::string knobs_chart(const Tradeoff& t) {
 
 std::string row(const Point& p, const std::string& name) {
     const RunRecord& r = p.runs[0];
-    const Spread s = p.seconds();
+    const Timing s = p.seconds();
     const MeasuredError& e = r.measured;
     std::string out = std::string(p.knee ? "<tr class=\"knee\">" : "<tr>") + "<td>" + html_text(name) + (p.knee ? ", the knee" : "") + "</td>";
     out += line("<td>%.4f</td><td>%.4f</td><td>%.2f</td><td>%+.4f</td>", e.error, r.estimated_error,
@@ -117,11 +117,12 @@ std::string row(const Point& p, const std::string& name) {
                       static_cast<unsigned long long>(r.rays));
 }
 
-constexpr const char* kColumns =
-    "<thead><tr><th scope=\"col\">%s</th><th scope=\"col\">error</th><th scope=\"col\">estimate</th>"
-    "<th scope=\"col\">estimate / error</th><th scope=\"col\">bias</th><th scope=\"col\">seconds</th>"
-    "<th scope=\"col\">fastest to slowest</th><th scope=\"col\">runs</th><th scope=\"col\">links</th>"
-    "<th scope=\"col\">rays</th></tr></thead><tbody>\n";
+std::string header(const std::string& first) {
+    std::string out = "<thead><tr><th scope=\"col\">" + first + "</th>";
+    for (const char* name : {"error", "estimate", "estimate / error", "bias", "seconds", "fastest to slowest", "runs", "links", "rays"})
+        out += std::string("<th scope=\"col\">") + name + "</th>";
+    return out + "</tr></thead>\n";
+}
 
 std::string table(const Tradeoff& t, bool knobs) {
     std::string rows;
@@ -130,7 +131,7 @@ std::string table(const Tradeoff& t, bool knobs) {
         if (knobs && is_baseline(t, p)) rows += row(p, "as it is");
         if (p.trial.knob.empty() != knobs) rows += row(p, knobs ? p.trial.knob + " " + p.trial.value : name_of(p.trial));
     }
-    return "<table>" + line(kColumns, knobs ? "knob" : "method and accuracy asked") + rows + "</tbody></table>\n";
+    return "<table>" + header(knobs ? "knob" : "method and accuracy asked") + "<tbody>\n" + rows + "</tbody></table>\n";
 }
 
 std::string knobs_part(const Tradeoff& t) {

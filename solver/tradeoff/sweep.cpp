@@ -185,7 +185,7 @@ Result<Sweep> plan_sweep(const Manifest& manifest, const SweepOptions& options) 
     Sweep sweep;
     for (const double accuracy : accuracies)
         for (const Method method : options.methods) sweep.trials.push_back(trial_at(method, accuracy));
-    sweep.knobs_at = options.knobs_at.value_or(accuracies[(accuracies.size() - 1) / 2]);
+    sweep.knobs_at = options.knobs_at.value_or(accuracies[accuracies.size() / 2]);
     const auto libraries = libraries_in(options.variants);
     if (!libraries) return libraries.error();
     if (!options.knobs) return sweep;

@@ -264,7 +264,7 @@ class Measuring {
 
 }  // namespace
 
-Spread Point::seconds() const {
+Timing Point::seconds() const {
     std::vector<double> all;
     for (const RunRecord& run : runs) all.push_back(run.seconds.total);
     if (all.empty()) return {};

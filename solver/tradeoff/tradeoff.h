@@ -33,7 +33,7 @@ struct TradeoffOptions {
 using SolveTrial = std::function<Result<SolvedScene>(const Manifest&, const SolveOptions&, const Progress&)>;
 
 /// Smallest, median and largest of the runs.
-struct Spread {
+struct Timing {
     double low = 0, median = 0, high = 0;
 };
 
@@ -45,7 +45,7 @@ struct Point {
     bool knee = false;
     std::filesystem::path picture;  // where its error sits; empty where there is no picture
 
-    Spread seconds() const;         // load and solve
+    Timing seconds() const;         // load and solve
 };
 
 struct Tradeoff {

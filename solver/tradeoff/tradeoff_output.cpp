@@ -50,7 +50,7 @@ json point_json(const Point& p) {
     if (p.runs.empty()) return out;
     const RunRecord& r = p.runs[0];
     const PhaseSeconds s = median_phases(p.runs);
-    const Spread spread = p.seconds();
+    const Timing spread = p.seconds();
     out["seconds"] = {{"median", spread.median}, {"low", spread.low},   {"high", spread.high},
                       {"load", s.load},          {"plan", s.plan},      {"links", s.links},
                       {"visibility", s.visibility}, {"iterate", s.iterate}};
@@ -107,7 +107,7 @@ std::string tradeoff_csv(const Tradeoff& t) {
         }
         const RunRecord& r = p.runs[0];
         const PhaseSeconds s = median_phases(p.runs);
-        const Spread spread = p.seconds();
+        const Timing spread = p.seconds();
         const MeasuredError& e = r.measured;
         for (const double v : {spread.median, spread.low, spread.high, s.load, s.plan, s.links, s.visibility, s.iterate,
                                e.error, e.low, e.high, r.estimated_error})
@@ -128,7 +128,7 @@ std::string tradeoff_text(const Tradeoff& t) {
             text += line("%-46s ", name_of(p.trial).c_str()) + "not run: " + p.not_run + "\n";
             continue;
         }
-        const Spread s = p.seconds();
+        const Timing s = p.seconds();
         text += line("%-46s %8.4f %8.4f %9.3f %9.3f %9.3f %5zu  %s\n", name_of(p.trial).c_str(), p.runs[0].measured.error,
                      p.runs[0].estimated_error, s.median, s.low, s.high, p.runs.size(), p.knee ? "knee" : "");
     }
