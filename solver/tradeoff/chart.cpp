@@ -13,7 +13,7 @@ namespace {
 constexpr double kWidth = 760, kHeight = 440, kLeft = 74, kRight = 20, kTop = 16, kBottom = 58;
 constexpr double kRadius = 5;
 constexpr double kMargin = 1.25;          // of the axes beyond the outermost marks, as a factor
-constexpr std::size_t kFewTicks = 12;
+constexpr std::size_t kMostTicks = 10;
 constexpr double kLegendRow = 20;
 constexpr double kLetter = 7.5, kLetterHeight = 14;  // of labels, about
 
@@ -59,17 +59,6 @@ std::string grid(const Chart& chart, const Axis& x, const Axis& y) {
     return out;
 }
 
-std::string levels(const Chart& chart, const Axis& x, const Axis& y) {
-    std::string out;
-    for (const Level& level : chart.levels) {
-        if (level.y < y.low || level.y > y.high) continue;
-        out += line("<path class=\"level\" d=\"M%.1f %.1fH%.1f\"/>", x.from, y.place(level.y), x.to);
-        out += line("<text class=\"level\" x=\"%.1f\" y=\"%.1f\" text-anchor=\"end\">", x.to - 4, y.place(level.y) - 5) +
-               html_text(level.name) + "</text>";
-    }
-    return out;
-}
-
 /// Shapes tell series apart where colours do not.
 std::string shape(int style, double x, double y) {
     const double r = kRadius;
@@ -83,7 +72,7 @@ std::string shape(int style, double x, double y) {
 /// Labels beside marks, none over another or over a mark; one without room is left out, as pointing at the mark tells it.
 class Labels {
   public:
-    void keep_clear(double x, double y) { taken_.push_back({x - kRadius, y - kRadius, x + kRadius, y + kRadius}); }
+    void keep_clear(double x0, double y0, double x1, double y1) { taken_.push_back({x0, y0, x1, y1}); }
 
     std::string place(const std::string& label, double x, double y) {
         if (label.empty()) return "";
@@ -111,6 +100,18 @@ class Labels {
     }
     std::vector<Area> taken_;
 };
+
+std::string levels(const Chart& chart, const Axis& x, const Axis& y, Labels& labels) {
+    std::string out;
+    for (const Level& level : chart.levels) {
+        if (level.y < y.low || level.y > y.high) continue;
+        out += line("<path class=\"level\" d=\"M%.1f %.1fH%.1f\"/>", x.from, y.place(level.y), x.to);
+        out += line("<text class=\"level\" x=\"%.1f\" y=\"%.1f\" text-anchor=\"end\">", x.to - 4, y.place(level.y) - 5) +
+               html_text(level.name) + "</text>";
+        labels.keep_clear(x.to - 4 - kLetter * static_cast<double>(level.name.size()), y.place(level.y) - 5 - kLetterHeight, x.to, y.place(level.y));
+    }
+    return out;
+}
 
 std::string mark_svg(const Mark& m, int style, const Axis& ax, const Axis& ay, Labels& labels) {
     const double x = ax.place(m.x), y = ay.place(m.y);
@@ -166,15 +167,16 @@ std::string html_text(const std::string& text) {
 }
 
 std::vector<double> log_ticks(double low, double high) {
-    std::vector<double> fine, coarse;
-    for (int decade = static_cast<int>(std::floor(std::log10(low))); std::pow(10.0, decade) <= high; ++decade)
-        for (const double step : {1.0, 2.0, 5.0}) {
-            const double v = step * std::pow(10.0, decade);
-            if (v < low || v > high) continue;
-            fine.push_back(v);
-            if (step == 1) coarse.push_back(v);
-        }
-    return fine.size() > kFewTicks ? coarse : fine;
+    const std::vector<std::vector<double>> steps = {{1, 2, 3, 4, 5, 6, 7, 8, 9}, {1, 2, 5}, {1}};
+    std::vector<double> ticks;
+    for (const std::vector<double>& digits : steps) {
+        ticks.clear();
+        for (int decade = static_cast<int>(std::floor(std::log10(low))); std::pow(10.0, decade) <= high; ++decade)
+            for (const double digit : digits)
+                if (const double v = digit * std::pow(10.0, decade); v >= low && v <= high) ticks.push_back(v);
+        if (ticks.size() <= kMostTicks) break;
+    }
+    return ticks;
 }
 
 std::string chart_svg(const Chart& chart) {
@@ -197,10 +199,13 @@ std::string chart_svg(const Chart& chart) {
                       "\" aria-describedby=\"" + chart.id + "-text\" " +
                       line("viewBox=\"0 0 %.0f %.0f\">", kWidth, kHeight + kLegendRow * static_cast<double>(named));
     out += "<desc id=\"" + chart.id + "-text\">" + html_text(chart.description) + "</desc>";
-    out += grid(chart, x, y) + levels(chart, x, y);
     Labels beside;
+    out += grid(chart, x, y) + levels(chart, x, y, beside);
     for (const Series& s : chart.series)
-        for (const Mark& m : s.marks) beside.keep_clear(x.place(m.x), y.place(m.y));
+        for (const Mark& m : s.marks) {
+            const double px = x.place(m.x), py = y.place(m.y);
+            beside.keep_clear(px - kRadius, py - kRadius, px + kRadius, py + kRadius);
+        }
     for (const Series& s : chart.series) out += series_svg(s, x, y, beside);
     return out + legend(chart) + "</svg>\n";
 }

@@ -19,7 +19,7 @@ struct Mark {
 /// A curve, or marks without a line.
 struct Series {
     std::string name;
-    int style = 0;  // colour and shape of the page's style sheet, 0 to 5
+    int style = 0;  // colour and shape of the page's style sheet, 0 to 6
     bool line = true;
     std::vector<Mark> marks;
 };
@@ -40,8 +40,8 @@ struct Chart {
 /// One <svg> element; colours are the page's. Marks can be reached by keyboard. An empty string where there is no mark.
 std::string chart_svg(const Chart& chart);
 
-/// The values of a logarithmic axis with a tick, from `low` to `high`: 1, 2 and 5 of each decade, or powers of ten alone
-/// where those are more than a dozen.
+/// The values of a logarithmic axis with a tick, from `low` to `high`: 1 to 9 of each decade; 1, 2 and 5, or powers of ten
+/// alone, where those would be too many.
 std::vector<double> log_ticks(double low, double high);
 
 /// &, <, > and quotes as entities.

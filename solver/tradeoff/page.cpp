@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::uint64_t kMostPictureBytes = 1 << 24;
 constexpr int kRampSteps = 24;
-constexpr int kStyles = 6;  // of the page's style sheet
+constexpr int kStyles = 7;  // of the page's style sheet
 
 template <class... Values>
 std::string line(const char* format, Values... values) {

@@ -37,6 +37,7 @@ struct TableSettings {
     std::set<std::uint32_t> grids;
     std::set<GridMap> maps;
     std::set<std::string> sections;  // of any archive
+    std::set<std::string> contents;  // of the files
 
     bool operator==(const TableSettings&) const = default;
 };
@@ -51,6 +52,7 @@ Result<TableSettings> settings_of(const Manifest& manifest) {
         settings.grids.insert(archive->data().meta.grid_size);
         settings.maps.insert(archive->data().meta.grid_map);
         for (const SectionInfo& section : archive->sections()) settings.sections.insert(section.name);
+        settings.contents.insert(archive->content_sha256());
     }
     return settings;
 }
@@ -65,7 +67,7 @@ std::array<std::string, 2> difference(const TableSettings& own, const TableSetti
     const bool map = own.maps != other.maps && other.maps.size() == 1;
     if (grid && own.maps == other.maps) return {"grid", std::to_string(*other.grids.begin())};
     if (map && own.grids == other.grids) return {"map", name_of(*other.maps.begin())};
-    return {own.sections != other.sections ? "tables" : "library", folder.filename().string()};
+    return {own.grids == other.grids && own.maps == other.maps ? "tables" : "library", folder.filename().string()};
 }
 
 bool has_archives(const fs::path& folder) {
@@ -103,14 +105,15 @@ void add_variants(const Manifest& manifest, const std::vector<fs::path>& librari
             sweep.not_swept.push_back({"library " + library.string(), settings.error().message});
             continue;
         }
+        if (own == *settings) {
+            sweep.not_swept.push_back({"library " + library.string(), "its archives are the scene's own"});
+            continue;
+        }
         Trial trial = trial_at(Method::Reusable, sweep.knobs_at);
         const auto [knob, value] = difference(own, *settings, library);
         trial.knob = knob, trial.value = value;
         trial.library = library;
-        if (knob == "library" && own == *settings)
-            sweep.not_swept.push_back({"library " + library.string(), "its tables are made as the scene's own"});
-        else
-            sweep.trials.push_back(trial);
+        sweep.trials.push_back(std::move(trial));
     }
 }
 

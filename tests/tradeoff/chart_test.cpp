@@ -22,7 +22,8 @@ Chart chart_of(std::vector<Mark> marks) {
 
 }  // namespace
 
-TEST_CASE("chart: ticks are 1, 2 and 5 of each decade, powers of ten where those are many", "[chart]") {
+TEST_CASE("chart: ticks are readable numbers, fewer where there would be many", "[chart]") {
+    CHECK(log_ticks(0.75, 2.5) == std::vector<double>{0.8, 0.9, 1, 2});
     CHECK(log_ticks(0.3, 6) == std::vector<double>{0.5, 1, 2, 5});
     CHECK(log_ticks(1e-4, 1e4).size() == 9);
 }
