@@ -19,7 +19,7 @@ struct Mark {
 /// A curve, or marks without a line.
 struct Series {
     std::string name;
-    int style = 0;  // colour and shape of the page's style sheet, 0 to 6
+    int style = 0;  // colour and shape of the page's style sheet, 0 to 7
     bool line = true;
     std::vector<Mark> marks;
 };

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::uint64_t kMostPictureBytes = 1 << 24;
 constexpr int kRampSteps = 24;
-constexpr int kStyles = 7;  // of the page's style sheet
+constexpr int kStyles = 8;  // of the page's style sheet
 
 template <class... Values>
 std::string line(const char* format, Values... values) {
@@ -52,8 +52,8 @@ std::string mark_text(const Point& p) {
     const RunRecord& r = p.runs[0];
     std::string text = name_of(p.trial) + line("\nerror %.3g", r.measured.error) + ", in " + seconds_text(p.seconds()) +
                        line("\nits own estimate %.3g%s", r.estimated_error, r.converged ? "" : ", above what was asked") +
-                       line("\n%llu links, %llu rays, %zu runs", static_cast<unsigned long long>(r.links.total()),
-                            static_cast<unsigned long long>(r.rays), p.runs.size());
+                       line("\n%llu links, %llu rays, %zu run%s", static_cast<unsigned long long>(r.links.total()),
+                            static_cast<unsigned long long>(r.rays), p.runs.size(), p.runs.size() == 1 ? "" : "s");
     if (!r.measured.worst_instance.empty())
         text += "\nworst: " + r.measured.worst_instance + line(", error %.3g", r.measured.worst_error);
     return p.knee ? text + "\nthe knee" : text;
