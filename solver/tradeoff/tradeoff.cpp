@@ -228,13 +228,18 @@ class Measuring {
     void tell(const Point& point, int repeat) const {
         if (!progress_) return;
         double left = 0;
+        bool unknown = false;
         for (const Point& other : result_.points) {
             const int missing = options().repeats - static_cast<int>(other.runs.size());
-            if (other.not_run.empty()) left += missing * expected_seconds(other).value_or(0);
+            if (!other.not_run.empty() || missing == 0) continue;
+            const auto expected = expected_seconds(other);
+            unknown = unknown || !expected;
+            left += missing * expected.value_or(0);
         }
         if (options().budget) left = std::min(left, *options().budget - spent_);
         std::array<char, 64> text;
-        std::snprintf(text.data(), text.size(), ", run %d of %d, about %.0f s left,", repeat + 1, options().repeats, left);
+        std::snprintf(text.data(), text.size(), ", run %d of %d, %s %.0f s left,", repeat + 1, options().repeats,
+                      unknown ? "more than" : "about", left);
         const double all = spent_ + left;
         progress_(name_of(point.trial) + text.data(), all > 0 ? spent_ / all : 0);
     }

@@ -104,6 +104,7 @@ def many():
     return scene(ROOM, PANEL, *things)
 
 
+NOISIER = {"lamp_shade": 4, "small_light": 4, "window": 8}  # times the samples: light comes by rare paths
 SCENES = {  # kind, and whether constants were chosen with the scene in view
     "cornell": (cornell, "open in front, one lamp", "tuned"),
     "lamp_shade": (lamp_shade, "bulb in a shade, as in the twelve-object room", "tuned"),
@@ -124,7 +125,8 @@ def measure(program, folder, name, options):
     path = folder / f"{name}.json"
     path.write_text(json.dumps(SCENES[name][0](), indent=1))
     subprocess.run([program, "tradeoff", path, "--out", folder / name, "--methods", "reusable", "--no-knobs", "--no-pictures",
-                    "--repeats", "1", "--quiet", "--accuracy", options.accuracy, "--samples", str(options.samples)], check=True)
+                    "--repeats", "1", "--quiet", "--accuracy", options.accuracy,
+                    "--samples", str(options.samples * NOISIER.get(name, 1))], check=True)
     return json.loads((folder / name / "tradeoff.json").read_text())
 
 
