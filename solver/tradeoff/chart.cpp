@@ -13,7 +13,7 @@ namespace {
 constexpr double kWidth = 760, kHeight = 440, kLeft = 74, kRight = 20, kTop = 16, kBottom = 58;
 constexpr double kRadius = 5;
 constexpr double kMargin = 1.25;          // of the axes beyond the outermost marks, as a factor
-constexpr std::size_t kMostTicks = 10;
+constexpr std::size_t kMostTicks = 8;  // more labels would touch where they are dense
 constexpr double kLegendRow = 20;
 constexpr double kLetter = 7.5, kLetterHeight = 14;  // of labels, about
 

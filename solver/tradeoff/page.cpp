@@ -1,7 +1,7 @@
 // tradeoff.html: one file, without anything from elsewhere. The frame, the style and the script are page.html, which the build
 // puts into the program; charts, tables and pictures are made here.
-#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <map>
 #include <string_view>
@@ -112,7 +112,7 @@ std::string row(const Point& p, const std::string& name) {
     std::string out = std::string(p.knee ? "<tr class=\"knee\">" : "<tr>") + "<td>" + html_text(name) + (p.knee ? ", the knee" : "") + "</td>";
     out += line("<td>%.4f</td><td>%.4f</td><td>%.2f</td><td>%+.4f</td>", e.error, r.estimated_error,
                 e.error > 0 ? r.estimated_error / e.error : 0.0, e.bias);
-    out += line("<td>%.3f</td><td>%.3f to %.3f</td><td>%zu</td>", s.median, s.low, s.high, p.runs.size());
+    out += line("<td>%.3g</td><td>%.3g to %.3g</td><td>%zu</td>", s.median, s.low, s.high, p.runs.size());
     return out + line("<td>%llu</td><td>%llu</td></tr>\n", static_cast<unsigned long long>(r.links.total()),
                       static_cast<unsigned long long>(r.rays));
 }

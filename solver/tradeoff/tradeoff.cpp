@@ -6,11 +6,11 @@
 #include <limits>
 #include <map>
 #include <set>
+#include <span>
 #include <system_error>
 #include <utility>
 
 #include "format/atomic_file.h"
-#include "format/parallel.h"
 #include "format/sha256.h"
 #include "format/tool/interrupt.h"
 #include "format/version.h"
