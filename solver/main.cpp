@@ -501,9 +501,11 @@ void declare_tradeoff(CLI::App& command, Arguments& a) {
     command.add_option("--out", a.tradeoff.out, "Folder for the results; run again, it goes on where it was")->required()->type_name("DIR");
     command.add_option("--accuracy", sweep.accuracies, "Relative errors to ask for (default: 0.3,0.2,0.1,0.05)")
         ->type_name("LIST")
+        ->allow_extra_args(false)
         ->delimiter(',');
     command.add_option("--methods", a.methods, "Methods to run (default: reusable,hierarchical,reference)")
         ->type_name("LIST")
+        ->allow_extra_args(false)
         ->delimiter(',');
     command.add_option("--variants", sweep.variants, "Folders of the scene's archives compiled otherwise, or folders of such folders")
         ->type_name("DIR");

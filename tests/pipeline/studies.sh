@@ -33,7 +33,7 @@ END
 "$compile" library library.json --out base --quiet
 
 # Every method and knob; files that others read; run again it finds its runs, and writes the same.
-sweep=("$solve" tradeoff scenes/scene.json --out cost --accuracy 0.4,0.2 --samples 64 --repeats 2)
+sweep=("$solve" tradeoff --out cost --accuracy 0.4,0.2 scenes/scene.json --samples 64 --repeats 2)
 "${sweep[@]}" > first.txt || fail "tradeoff: exit code $?"
 for file in cost/tradeoff.csv cost/tradeoff.json cost/tradeoff.html; do [ -s $file ] || fail "no $file"; done
 [ "$(grep -cE '^(reusable|hierarchical|reference) at 0\.[24] +[0-9]' first.txt)" -eq 6 ] || fail "not all ran: $(cat first.txt)"
