@@ -19,6 +19,7 @@
 #include "solver/output/output.h"
 #include "solver/solve_scene.h"
 #include "solver/study/compare.h"
+#include "solver/tradeoff/tradeoff.h"
 
 namespace rro {
 namespace {
@@ -38,6 +39,7 @@ constexpr const char* kExamples =
     "  rro-solve factors room.json --out factors.csv\n"
     "  rro-solve factors room.json --out factors.json --by material --accuracy 1e-4 --report factors.report.json\n"
     "  rro-solve compare room.json --base library-1.0 --head library-1.1 --fail-if-slower 1.1 --markdown change.md\n"
+    "  rro-solve tradeoff room.json --out tradeoff --accuracy 0.3,0.2,0.1 --variants library-variants\n"
     "Exit codes: 0 done, 1 the work failed or the accuracy was not met, 2 wrong usage, 3 bad input, 4 internal error,\n"
     "130 interrupted.";
 
@@ -57,6 +59,9 @@ struct Arguments {
     std::optional<double> threshold;
     bool close = false;
     CompareOptions compare;
+    TradeoffOptions tradeoff;
+    std::vector<std::string> methods = {"reusable", "hierarchical", "reference"};
+    bool no_knobs = false, no_pictures = false;
     std::filesystem::path json_file, markdown_file;
 };
 
@@ -447,8 +452,8 @@ void declare_compare(CLI::App& command, Arguments& a) {
     command.add_option("--memory", a.memory, "Most memory to use (default: 8G or ulimit -v)")->type_name("8G");
 }
 
-/// One measured solve of `compare`, as `run` would do it.
-Result<SolvedScene> solve_once(const Manifest& manifest, const Job& job) {
+/// One measured solve of `compare` or `tradeoff`, as `run` would do it.
+Result<SolvedScene> solve_once(const Manifest& manifest, const Job& job, const Progress& progress = {}) {
     const auto begun = std::chrono::steady_clock::now();
     SectionSet wanted = kGeometry | Section::Source;
     if (job.solve.method == Method::Reusable) wanted = wanted | kTables | sections_of(job.solve.visibility);
@@ -458,7 +463,7 @@ Result<SolvedScene> solve_once(const Manifest& manifest, const Job& job) {
     const std::uint64_t needed = estimated_memory(*scene);
     if (needed > job.memory)
         return failed(manifest.path.string(), "needs about " + size_text(needed) + " of memory", "allow more with --memory");
-    auto solution = solve_scene(*scene, job.solve);
+    auto solution = solve_scene(*scene, job.solve, progress);
     if (!solution) return solution.error();
     solution->seconds.load = load_seconds;
     return SolvedScene{std::move(*scene), std::move(*solution), needed};
@@ -488,6 +493,68 @@ int compare(const Arguments& a) {
     return report_error(kProgram, failed(a.scene.string(),
                                          std::string(compared->too_slow ? "head is slower" : "head differs more") +
                                              " than the threshold allows"));
+}
+
+void declare_tradeoff(CLI::App& command, Arguments& a) {
+    declare_common(command, a);
+    SweepOptions& sweep = a.tradeoff.sweep;
+    command.add_option("--out", a.tradeoff.out, "Folder for the results; run again, it goes on where it was")->required()->type_name("DIR");
+    command.add_option("--accuracy", sweep.accuracies, "Relative errors to ask for (default: 0.3,0.2,0.1,0.05)")
+        ->type_name("LIST")
+        ->allow_extra_args(false)
+        ->delimiter(',');
+    command.add_option("--methods", a.methods, "Methods to run (default: reusable,hierarchical,reference)")
+        ->type_name("LIST")
+        ->allow_extra_args(false)
+        ->delimiter(',');
+    command.add_option("--variants", sweep.variants, "Folders of the scene's archives compiled otherwise, or folders of such folders")
+        ->type_name("DIR");
+    command.add_option("--knobs-at", sweep.knobs_at, "Accuracy at which knobs are swept (default: the middle of the list)")->type_name("E");
+    command.add_flag("--no-knobs", a.no_knobs, "The methods' curves only");
+    command.add_flag("--no-pictures", a.no_pictures, "No pictures of where the error sits");
+    command.add_option("--repeats", a.tradeoff.repeats, "Runs of each point, interleaved")
+        ->type_name("N")
+        ->check(CLI::Range(1, 1000))
+        ->capture_default_str();
+    command.add_option("--samples", a.tradeoff.samples, "Paths per triangle of the reference that judges")
+        ->type_name("N")
+        ->check(CLI::Range(16, 1 << 24))
+        ->capture_default_str();
+    command.add_option("--reference-file", a.tradeoff.reference_file, "A reference at hand, as run --method reference --radiosity writes it")
+        ->type_name("FILE.csv");
+    command.add_option("--budget", a.tradeoff.budget, "Begin no run that would probably end after so many seconds of runs")
+        ->type_name("SECONDS")
+        ->check(CLI::PositiveNumber);
+    command.add_option("--memory", a.memory, "Most memory to use (default: 8G or ulimit -v)")->type_name("8G");
+}
+
+int tradeoff(const Arguments& a) {
+    const auto job = job_of(a);
+    if (!job) return report_error(kProgram, job.error());
+    TradeoffOptions options = a.tradeoff;
+    options.sweep.knobs = !a.no_knobs;
+    options.pictures = !a.no_pictures;
+    options.sweep.methods.clear();
+    for (const std::string& name : a.methods) {
+        const auto method = parse_method(name);
+        if (!method) return report_error(kProgram, method.error());
+        options.sweep.methods.push_back(*method);
+    }
+    const auto manifest = read_manifest(a.scene);
+    if (!manifest) return report_error(kProgram, manifest.error());
+    TerminalProgress progress(a.quiet);
+    const auto solve = [&](const Manifest& m, const SolveOptions& solve_options, const Progress& of_solve) {
+        Job one = *job;
+        one.solve = solve_options;
+        one.solve.memory = job->memory;
+        return solve_once(m, one, with_time_left(of_solve));
+    };
+    const auto measured = measure_tradeoff(*manifest, options, solve, progress.callback());
+    progress.clear();
+    if (!measured) return report_error(kProgram, measured.error());
+    if (auto written = write_tradeoff(*measured); !written) return report_error(kProgram, written.error());
+    if (!a.quiet) std::fputs(tradeoff_text(*measured).c_str(), stdout);
+    return 0;
 }
 
 Status edit_manifest(const Arguments& a, const std::string& command) {
@@ -532,6 +599,8 @@ int main_with(int argc, char** argv) {
     declare_factors(*factors_command, arguments);
     CLI::App* compare_command = app.add_subcommand("compare", "Compare two versions of a scene's archives: time and result");
     declare_compare(*compare_command, arguments);
+    CLI::App* tradeoff_command = app.add_subcommand("tradeoff", "What accuracy costs in time: error over time of all methods and knobs");
+    declare_tradeoff(*tradeoff_command, arguments);
     declare_edits(app, arguments);
     declare_live(*app.add_subcommand("live", "Keep a scene in memory and answer edits, one JSON object per line"), arguments);
     try {
@@ -543,6 +612,7 @@ int main_with(int argc, char** argv) {
     set_thread_count(arguments.threads);
     if (factors_command->parsed()) return factors(arguments);
     if (compare_command->parsed()) return compare(arguments);
+    if (tradeoff_command->parsed()) return tradeoff(arguments);
     if (app.got_subcommand("live")) return live(arguments);
     for (const char* command : {"place", "move", "delete"})
         if (app.got_subcommand(command)) return edit(arguments, command);

@@ -90,6 +90,7 @@ Result<Solution> solve_by_method(const Scene& scene, const Plan& plan, const Sol
     transport.accuracy = accuracy;
     transport.seed = options.seed;
     transport.visibility = options.visibility;
+    transport.far_factor = options.far_factor;
     const bool plain = options.transport == Transport::Plain;
     if (plain && (options.visibility == VisibilityMethod::Atlas || options.visibility == VisibilityMethod::Tables))
         return usage("--visibility atlas and tables are for --transport directional");

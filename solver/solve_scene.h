@@ -32,6 +32,7 @@ struct SolveOptions {
     EffectOverrides overrides;
     std::optional<Transport> transport = {};  // for the reusable method only; directional where not given
     std::uint64_t memory = std::uint64_t{8} << 30;  // bytes that the hierarchical method may use for links and elements
+    double far_factor = TransportOptions{}.far_factor;  // the five-times rule, of the reusable method
 };
 
 /// errors   Usage: not a name of the contract, or not supported by this version (lists those that are)
