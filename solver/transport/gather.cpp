@@ -454,10 +454,17 @@ void LightField<C>::fill(Guide& guide) const {
         guide.radiosity[id] = grey(radiosity_, id);
         const Node& n = nodes_[static_cast<std::uint32_t>(id)];
         if (n.kind != NodeKind::Surface) continue;
-        float rho = 0;
-        for (std::size_t c = 0; c < C; ++c)
-            rho += reflectance(static_cast<std::uint32_t>(id), c) + transmittance(static_cast<std::uint32_t>(id), c);
-        guide.reflectance[id] = rho / C;
+        // Channels count by the square of their light, as in the error: a red face in red light reflects most of it.
+        const auto face = static_cast<std::uint32_t>(id);
+        constexpr double kDark = 1e-60;  // where there is none, all alike
+        double sent = 0, light = 0;
+        for (std::size_t c = 0; c < C; ++c) {
+            const double rho = double(reflectance(face, c)) + double(transmittance(face, c));
+            const double square = std::pow(double(irradiance_[id * C + c]), 2) + kDark;
+            sent += rho * rho * square;
+            light += square;
+        }
+        guide.reflectance[id] = static_cast<float>(std::sqrt(sent / light));
         guide.irradiance[id] = grey(irradiance_, id);
     }
     // Upwards: sums over children, which follow their parents.
