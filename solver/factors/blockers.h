@@ -30,7 +30,7 @@ void make_shaft(std::span<const Vec3> a, const HalfSpace& behind_a, std::span<co
 /// What reaches into a shaft.
 struct Between {
     std::vector<std::uint32_t> bodies;  // into Surfaces::bodies
-    std::vector<std::uint32_t> solids;  // groups
+    std::vector<std::uint32_t> solids;  // into Surfaces::solids
 
     bool empty() const { return bodies.empty() && solids.empty(); }
 };
@@ -61,7 +61,6 @@ class Blockers {
     void build(std::uint32_t first, std::uint32_t count);
 
     const std::vector<Body>& bodies_;
-    const std::vector<Solid>& solids_;  // [G]
     std::vector<Box3> boxes_;           // [bodies]
     std::vector<Node> nodes_;           // preorder
     std::vector<std::uint32_t> order_;  // bodies in the order of the leaves

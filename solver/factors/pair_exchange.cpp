@@ -17,12 +17,13 @@ constexpr std::size_t kMostBetween = 48;           // blockers that are cut out
 constexpr double kSecondsForOne = 3;               // that cutting one pair of groups may take
 constexpr double kSmallFactor = 0.01;              // below it the tolerance is absolute
 constexpr double kShareOfTolerance = 0.3;          // that the rules may err by
+constexpr double kQuickly = 1e-3;  // tolerance over open exchange from where two rules that agree are believed
 
 /// Seconds to cut blockers out of one pair of polygons, both ways, as measured.
 double cutting_seconds(const PairWork& work, const Between& between) {
     const double n = static_cast<double>(between.bodies.size() + 2 * between.solids.size());
     double edges = 0;
-    for (const std::uint32_t group : between.solids) edges += static_cast<double>(work.surfaces.solids[group].edges.size());
+    for (const std::uint32_t solid : between.solids) edges += static_cast<double>(work.surfaces.solids[solid].edges.size());
     return 1e-6 * (40 + 60 * n + 8 * n * n + 0.6 * edges);
 }
 
@@ -33,8 +34,8 @@ bool look(const PairWork& work, PairScratch& scratch) {
     const Polygon& q = *scratch.facing.b;
     make_shaft(p.corners, {-p.normal, -p.offset}, q.corners, {-q.normal, -q.offset}, scratch.shaft);
     if (!work.blockers.reach_into(scratch.shaft, kMostBetween, true, scratch.between)) return false;
-    for (const std::uint32_t group : scratch.between.solids) {
-        const Solid& solid = work.surfaces.solids[group];
+    for (const std::uint32_t number : scratch.between.solids) {
+        const Solid& solid = work.surfaces.solids[number];
         const auto inside = [&](const Vec3& c) { return solid.contains(c); };
         if (std::any_of(p.corners.begin(), p.corners.end(), inside) ||
             std::any_of(q.corners.begin(), q.corners.end(), inside))
@@ -94,7 +95,7 @@ struct Found {
 Found found_in(const PairWork& work, const Between& between) {
     Found found;
     for (const std::uint32_t body : between.bodies) found.bodies.push_back(&work.surfaces.bodies[body].polygon);
-    for (const std::uint32_t group : between.solids) found.solids.push_back(&work.surfaces.solids[group]);
+    for (const std::uint32_t solid : between.solids) found.solids.push_back(&work.surfaces.solids[solid]);
     return found;
 }
 
@@ -158,13 +159,19 @@ void cut_out(const PairWork& work, GroupPair& pair) {
             body(k, *scratch.facing.a, *scratch.facing.b, Obstacles{found.bodies, found.solids});
         });
     };
-    std::vector<double> rough(count, 0);
-    with_each([&](std::size_t k, const Polygon& p, const Polygon& q, const Obstacles& obstacles) {
-        rough[k] = rough_exchange(p, q, obstacles);
-    });
-    const double about = (pair.from == pair.to ? 2 : 1) * std::accumulate(rough.begin(), rough.end(), 0.0);
+    std::vector<double> open(count, 0), rough(count, 0);
+    with_each([&](std::size_t k, const Polygon& p, const Polygon& q, const Obstacles&) { open[k] = facing_exchange(p, q); });
+    const double smaller = std::min(s.area[pair.from], s.area[pair.to]);
+    const auto sum_of_all = [&](const std::vector<double>& each) {
+        return (pair.from == pair.to ? 2 : 1) * std::accumulate(each.begin(), each.end(), 0.0);
+    };
+    if (pair.exchange + sum_of_all(open) > kSmallFactor * smaller)  // else the tolerance is absolute
+        with_each([&](std::size_t k, const Polygon& p, const Polygon& q, const Obstacles& obstacles) {
+            rough[k] = rough_exchange(p, q, obstacles);
+        });
+    const double about = pair.exchange + sum_of_all(rough);
     const auto tolerance = [&](std::uint32_t group) {  // m^2 for each pair of polygons; their errors add as squares
-        const double factor = std::max((pair.exchange + about) / s.area[group], kSmallFactor);
+        const double factor = std::max(about / s.area[group], kSmallFactor);
         return kShareOfTolerance * work.accuracy * factor * s.area[group] / std::sqrt(static_cast<double>(count));
     };
     const double tolerance_there = tolerance(pair.from), tolerance_back = tolerance(pair.to);
@@ -173,9 +180,14 @@ void cut_out(const PairWork& work, GroupPair& pair) {
     };
     std::vector<Both> parts(count);
     with_each([&](std::size_t k, const Polygon& p, const Polygon& q, const Obstacles& obstacles) {
-        const double open = facing_exchange(p, q);
-        parts[k].there = obstructed_exchange(p, q, obstacles, open, tolerance_there);
-        parts[k].back = obstructed_exchange(q, p, obstacles, open, tolerance_back);
+        const auto compute = [&](bool quick) {
+            parts[k].there = obstructed_exchange(p, q, obstacles, tolerance_there,
+                                                 quick && tolerance_there >= kQuickly * open[k]);
+            parts[k].back = obstructed_exchange(q, p, obstacles, tolerance_back,
+                                                quick && tolerance_back >= kQuickly * open[k]);
+        };
+        compute(true);
+        if (std::abs(parts[k].there.value - parts[k].back.value) > tolerance_there + tolerance_back) compute(false);
     });
     double there2 = 0, back2 = 0;
     for (const Both& part : parts) {

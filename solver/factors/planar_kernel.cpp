@@ -44,7 +44,7 @@ double point_rule(const TriangleCorners& t, const Vec3& normal, std::span<const 
     }
     double sum = 0;
     for (const auto& node : triangle_rule(16).nodes)
-        sum += node.weight * point_to_polygon(triangle_point(t, node.b1, node.b2), normal, polygon);
+        sum += node.weight * point_to_polygon_above(triangle_point(t, node.b1, node.b2), normal, polygon);
     return sum * length(area_vector(t));
 }
 
