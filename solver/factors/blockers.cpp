@@ -46,7 +46,7 @@ void add_sides(std::span<const Vec3> a, std::span<const Vec3> b, Shaft& shaft) {
 }
 
 bool outside(const Polygon& body, const Shaft& shaft) {
-    for (const HalfSpace& side : shaft.sides) {
+    for (const ShaftSide& side : shaft.sides) {
         double least = std::numeric_limits<double>::infinity();
         for (const Vec3& c : body.corners) least = std::min(least, dot(side.normal, c));
         if (least >= side.offset - body.rounding) return true;
@@ -56,14 +56,14 @@ bool outside(const Polygon& body, const Shaft& shaft) {
 
 bool outside(const Box3& box, const Shaft& shaft) {
     if (!box.overlaps(shaft.box)) return true;
-    for (const HalfSpace& side : shaft.sides)
+    for (const ShaftSide& side : shaft.sides)
         if (-reach(box, -side.normal) >= side.offset) return true;
     return false;
 }
 
 }  // namespace
 
-void make_shaft(std::span<const Vec3> a, const HalfSpace& behind_a, std::span<const Vec3> b, const HalfSpace& behind_b,
+void make_shaft(std::span<const Vec3> a, const ShaftSide& behind_a, std::span<const Vec3> b, const ShaftSide& behind_b,
                 Shaft& shaft) {
     shaft.sides.clear();
     shaft.box = {};

@@ -11,20 +11,20 @@
 namespace rro {
 
 /// A half-space normal . x <= offset.
-struct HalfSpace {
+struct ShaftSide {
     Vec3 normal;  // unit
     double offset = 0;
 };
 
 /// The space between two polygons, each in front of the other: what does not reach into it cannot block.
 struct Shaft {
-    std::vector<HalfSpace> sides;  // the two planes of the polygons first
+    std::vector<ShaftSide> sides;  // the two planes of the polygons first
     Box3 box;
 };
 
 /// The hull of both, open towards neither: planes of both polygons, and planes through an edge of one and a corner of
 /// the other with both on one side. Where the polygons are large (tens of corners), planes of some edges only.
-void make_shaft(std::span<const Vec3> a, const HalfSpace& behind_a, std::span<const Vec3> b, const HalfSpace& behind_b,
+void make_shaft(std::span<const Vec3> a, const ShaftSide& behind_a, std::span<const Vec3> b, const ShaftSide& behind_b,
                 Shaft& shaft);
 
 /// What reaches into a shaft.
