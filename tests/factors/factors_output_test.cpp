@@ -4,6 +4,8 @@
 #include <nlohmann/json.hpp>
 
 #include "format/atomic_file.h"
+#include "format/tool/json_document.h"
+#include "schemas/factors_report_schema.h"
 #include "tests/support/temporary_folder.h"
 
 using namespace rro;
@@ -60,6 +62,26 @@ TEST_CASE("the JSON and the report parse and say the same", "[factors][output]")
     CHECK(report["closure"]["largest_defect"].get<double>() == Approx(2.0 / 3));
     CHECK(report["closure"]["of"] == "d");
     CHECK(report["reciprocity"]["largest_defect"] == 0);
+}
+
+TEST_CASE("a report follows its schema, closed or not, and the schema refuses others", "[factors][output]") {
+    const TemporaryFolder folder;
+    const auto path = folder.path() / "r.json";
+    Factors f = example();
+    f.options.by = GroupBy::Group;
+    REQUIRE(write_factors_report(f, {}, {0.1, 0.2, 0.3}, path));
+    auto report = nlohmann::json::parse(file_text(path));
+    CHECK(check_schema(report, factors_report_schema, "r.json"));
+    f.rows = {{{1, 0, 0.9}}, {{0, 0, 0.3}, {1, 0, 0.6}}};  // a closed scene, nearly
+    f.closure = measure_closure(f);
+    const auto closing = close_rows(f);
+    REQUIRE(closing);
+    REQUIRE(write_factors_report(f, *closing, {}, path));
+    report = nlohmann::json::parse(file_text(path));
+    CHECK(report.contains("close"));
+    CHECK(check_schema(report, factors_report_schema, "r.json"));
+    report["pairs"]["exact"] = -1;
+    CHECK(!check_schema(report, factors_report_schema, "r.json"));
 }
 
 TEST_CASE("a file that is not committed leaves nothing, and the old one stays", "[factors][output]") {
