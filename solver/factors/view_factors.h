@@ -21,7 +21,7 @@ struct FactorOptions {
     GroupBy by = GroupBy::Auto;
     Sides sides = Sides::Front;
     double accuracy = 1e-3;  // relative where F > 0.01; a hundredth of it absolute below
-    std::uint64_t numbers_at_a_time = 16'000'000;  // of the matrix: rows are computed in blocks of about so many
+    std::uint64_t numbers_at_a_time = 12'000'000;  // of the matrix: rows are computed in blocks of about so many
     const PreviousFactors* previous = nullptr;     // what pairs that nothing has changed for are taken from
 };
 
