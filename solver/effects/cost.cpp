@@ -26,7 +26,8 @@ constexpr double kLinksPerInstance = 80, kFacesExponent = 0.4;
 constexpr double kFineAccuracy = 0.09, kFineExponent = 2.4;
 
 // Emitters, lamps' shades and windows light a scene from a few bright places: that takes more links where the places are
-// curved, as shades are, or most faces are of curved objects. Light from all around, or from lamps without extent that no link leaves, takes fewer.
+// curved, as shades are, or most faces are of curved objects. Light from all around, or from lamps without extent that no
+// link leaves, takes fewer.
 constexpr double kCurvedLinks = 2.2, kEvenLinks = 0.45;
 
 // A sky that is seen through holes of a room alone: so many times more rays, links, and seconds for each of these (more

@@ -135,8 +135,8 @@ Result<FactorsFile> FactorsFile::open(const std::filesystem::path& path, std::op
 Status FactorsFile::add(const FactorTable& f, std::uint32_t first, std::span<const FactorRow> rows) {
     if (first == 0) {
         for (const std::string& name : f.names) names_.push_back(csv_field(name) + ',');
-        if (auto written = write(json_ ? json_head(f, threshold_, closed_) : "from,to,factor,area_from,standard_error\n"); !written)
-            return written.error();
+        const std::string head = json_ ? json_head(f, threshold_, closed_) : "from,to,factor,area_from,standard_error\n";
+        if (auto written = write(head); !written) return written.error();
     }
     std::vector<std::string> texts(kRowsAtATime);
     for (std::size_t begin = 0; begin < rows.size(); begin += kRowsAtATime) {

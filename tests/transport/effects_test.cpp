@@ -3,6 +3,7 @@
 
 #include <numbers>
 
+#include "solver/effects/shape.h"
 #include "tests/support/shapes.h"
 #include "tests/support/solutions.h"
 
@@ -139,6 +140,23 @@ TEST_CASE("Beer-Lambert between two plates", "[transport][effects]") {
     scene.manifest.instances.pop_back();
     scene.lights = {lamp({0, 20, 0}, 400)};
     CHECK(irradiance(scene, solve_reusably(scene, 0.01), 0).mean == Approx(std::exp(-16)).epsilon(0.01));
+}
+
+// Five walls of a unit cube, seen from inside: the hole is a fifth of them.
+TEST_CASE("how open a room is, and what is curved, is told from its fronts", "[effects][shape]") {
+    const auto data_of = [](const Mesh& mesh) { return compile_to_object(mesh)->data(); };
+    Mesh room = empty_mesh(false);
+    const Vec3 x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
+    add_parallelogram(room, {}, y, z, 2, false);
+    add_parallelogram(room, x, z, y, 2, false);
+    add_parallelogram(room, {}, z, x, 2, false);
+    add_parallelogram(room, {}, x, y, 2, false);
+    add_parallelogram(room, z, y, x, 2, false);
+    CHECK(openness(data_of(room)) == Approx(0.2).epsilon(1e-6));
+    CHECK(openness(data_of(turned_inside_out(make_box(3, 2, 4)))) == Approx(0).margin(1e-6));
+    CHECK(openness(data_of(make_box(3, 2, 4))) == 1);
+    CHECK(is_curved(data_of(make_sphere(2, 1))));
+    CHECK_FALSE(is_curved(data_of(make_box(3, 2, 4, 4))));
 }
 
 TEST_CASE("a closed room gets exactly nothing of sky and sun", "[transport][effects]") {
