@@ -21,6 +21,10 @@ namespace rro {
 double point_to_polygon(const Vec3& p, const Vec3& n, std::span<const Vec3> polygon);
 double point_to_triangle(const Vec3& p, const Vec3& n, const TriangleCorners& t);
 
+/// The same by the contour formula alone, several edges at a time: for a polygon known to be above the horizon of `p` as a
+/// whole, with `p` in front of it. Rounding: some 1e-16, whatever the form factor is.
+double point_to_polygon_above(const Vec3& p, const Vec3& n, std::span<const Vec3> polygon);
+
 /// The vector irradiance 1/(2 pi) sum_k Gamma_k of the front of a planar polygon at `p`: its dot product with any unit
 /// normal that has the whole polygon above the horizon is the form factor point_to_polygon. Nothing is clipped, and the
 /// length is at most 1. Polygon, rounding and source as above; from behind, or on the plane but off the edges, 0.

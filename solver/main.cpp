@@ -16,6 +16,7 @@
 #include "solver/edit/manifest_edit.h"
 #include "solver/explain.h"
 #include "solver/factors/factors_output.h"
+#include "solver/factors/previous_factors.h"
 #include "solver/output/output.h"
 #include "solver/solve_scene.h"
 #include "solver/study/compare.h"
@@ -38,6 +39,7 @@ constexpr const char* kExamples =
     "  echo '{\"op\":\"move\",\"name\":\"chair\",\"transform\":{\"translate\":[2,0,3]}}' | rro-solve live room.json\n"
     "  rro-solve factors room.json --out factors.csv\n"
     "  rro-solve factors room.json --out factors.json --by material --accuracy 1e-4 --report factors.report.json\n"
+    "  rro-solve factors room.json --reuse factors.json --out factors.json --by material --accuracy 1e-4\n"
     "  rro-solve compare room.json --base library-1.0 --head library-1.1 --fail-if-slower 1.1 --markdown change.md\n"
     "  rro-solve tradeoff room.json --out tradeoff --accuracy 0.3,0.2,0.1 --variants library-variants\n"
     "Exit codes: 0 done, 1 the work failed or the accuracy was not met, 2 wrong usage, 3 bad input, 4 internal error,\n"
@@ -58,6 +60,7 @@ struct Arguments {
     TransformOptions transform;
     std::optional<double> threshold;
     bool close = false;
+    std::filesystem::path reuse;
     CompareOptions compare;
     TradeoffOptions tradeoff;
     std::vector<std::string> methods = {"reusable", "hierarchical", "reference"};
@@ -154,6 +157,9 @@ void declare_factors(CLI::App& factors, Arguments& a) {
         ->type_name("E");
     factors.add_option("--threshold", a.threshold, "Write only factors of at least this (default: all, zeros included)")
         ->type_name("F");
+    factors.add_option("--reuse", a.reuse,
+                       "Factors written before to a .json: only what has changed since is computed again")
+        ->type_name("F.json");
     factors.add_flag("--close", a.close, "Correct the factors so that rows sum to 1, as little as can be");
     factors.add_option("--report", a.report, "What was done, as JSON: closure, reciprocity, time")->type_name("FILE.json");
     factors.add_option("--memory", a.memory, "Most memory to use (default: 8G or ulimit -v)")->type_name("8G");
@@ -353,7 +359,8 @@ Progress with_time_left(Progress draw) {
     };
 }
 
-void print_closure(std::FILE* to, const Factors& f, const ClosureReport& closure) {
+void print_closure(std::FILE* to, const FactorTable& f) {
+    const ClosureReport& closure = f.closure;
     std::fprintf(to, "closure          rows differ from 1 by %.3g at most (%s), %.3g on the average\n",
                  closure.largest_defect, f.names[closure.worst_row].c_str(), closure.mean_defect);
     std::fprintf(to, "reciprocity      A_i F_ij and A_j F_ji differ by %.3g at most", closure.largest_asymmetry);
@@ -364,68 +371,97 @@ void print_closure(std::FILE* to, const Factors& f, const ClosureReport& closure
     std::fputc('\n', to);
 }
 
-void print_counts(const Factors& f, const FactorSeconds& seconds) {
+void print_counts(const FactorTable& f, const FactorSeconds& seconds) {
     const auto count = [](std::uint64_t n) { return static_cast<unsigned long long>(n); };
     std::printf("%zu groups by %s, %s; %llu polygons, of which %llu can stand between others\n", f.names.size(),
                 std::string(name_of(f.options.by)).c_str(),
                 f.options.sides == Sides::Front ? "fronts" : "both sides", count(f.polygons), count(f.blockers));
-    std::printf("pairs            %llu exact, %llu with shadows cut out, %llu by %llu rays\n", count(f.counts.exact),
+    std::printf("pairs            %llu exact, %llu with shadows cut out, %llu by %llu rays", count(f.counts.exact),
                 count(f.counts.cut), count(f.counts.sampled), count(f.counts.rays));
-    std::printf("seconds          %.2f (load %.2f, factors %.2f, output %.2f)\n", seconds.total, seconds.load,
-                seconds.factors, seconds.output);
+    if (f.options.previous) std::printf(", %llu reused", count(f.counts.reused));
+    std::printf("\nseconds          %.2f (load %.2f, factors %.2f)\n", seconds.total, seconds.load, seconds.factors);
 }
 
-Status write_factors(const Arguments& a, const Factors& f) {
+/// Computes all rows, closes them and writes them.
+Result<FactorTable> closed_factors(const Arguments& a, const FactorsJob& job, const Scene& scene, const Progress& progress,
+                                   std::optional<Closing>& closing) {
+    auto found = view_factors(scene, job.options, progress);
+    if (!found) return found.error();
+    auto closed = close_rows(*found);
+    if (!closed) {
+        print_closure(stdout, *found);
+        return closed.error();
+    }
+    closing = *std::move(closed);
     const DeferInterrupts until_written;
-    return a.out.extension() == ".json" ? write_factors_json(f, a.threshold, a.out)
-                                        : write_factors_csv(f, a.threshold, a.out);
+    if (auto written = write_factors(*found, a.threshold, true, a.out); !written) return written.error();
+    return static_cast<FactorTable&&>(*std::move(found));
+}
+
+/// Writes rows as they are computed.
+Result<FactorTable> streamed_factors(const Arguments& a, const FactorsJob& job, const Scene& scene, const Progress& progress) {
+    auto file = FactorsFile::open(a.out, a.threshold, false);
+    if (!file) return file.error();
+    auto table = view_factors(
+        scene, job.options,
+        [&](const FactorTable& t, std::uint32_t first, std::span<const FactorRow> rows) { return file->add(t, first, rows); },
+        progress);
+    if (!table) return table.error();
+    const DeferInterrupts until_written;
+    if (auto written = file->finish(*table); !written) return written.error();
+    return table;
+}
+
+void print_factors(const Arguments& a, const FactorTable& f, const std::optional<Closing>& closing, const FactorSeconds& seconds) {
+    if (!a.quiet) {
+        print_closure(stdout, f);
+        if (closing)
+            std::printf("closed           factors moved by %.3g at most (row of %s)\n", closing->largest_move,
+                        f.names[closing->worst_row].c_str());
+        print_counts(f, seconds);
+    }
+    if (a.verbose)
+        for (std::size_t g = 0; g < f.names.size(); ++g)
+            std::fprintf(stderr, "  %.9f %s%s\n", f.closure.row_sum[g], f.names[g].c_str(),
+                         closing ? (", moved by " + std::to_string(closing->moved[g])).c_str() : "");
+    if (f.counts.missed > 0)
+        report_warning(kProgram, std::to_string(f.counts.missed) + " of the sampled factors have a standard error above "
+                                 "half the error asked for; the file says which");
 }
 
 int factors(const Arguments& a) {
     const auto begun = std::chrono::steady_clock::now();
-    const auto job = factors_job_of(a);
+    auto job = factors_job_of(a);
     if (!job) return report_error(kProgram, job.error());
     const std::array<std::filesystem::path, 2> outputs{a.out, a.report};
     if (auto writable = check_outputs(outputs, a.scene); !writable) return report_error(kProgram, writable.error());
     const auto scene = load(a, kGeometry);
     if (!scene) return report_error(kProgram, scene.error());
-    FactorSeconds seconds;
-    seconds.load = seconds_since(begun);
-    if (const std::uint64_t needed = factors_memory(*scene, job->options.by); needed > job->memory)
+    if (const std::uint64_t needed = factors_memory(*scene, job->options, a.close); needed > job->memory)
         return report_error(kProgram, failed(a.scene.string(),
                                              "needs up to " + size_text(needed) + " of memory, " +
                                                  size_text(job->memory) + " are allowed",
                                              "allow more with --memory, or join surfaces in groups"));
+    std::optional<PreviousFactors> previous;
+    if (!a.reuse.empty()) {
+        auto read = read_previous_factors(a.reuse);
+        if (!read) return report_error(kProgram, read.error());
+        job->options.previous = &previous.emplace(*std::move(read));
+    }
+    FactorSeconds seconds;
+    seconds.load = seconds_since(begun);
     TerminalProgress progress(a.quiet);
-    auto found = view_factors(*scene, job->options, with_time_left(progress.callback()));
+    const Progress tell = with_time_left(progress.callback());
+    std::optional<Closing> closing;
+    const auto found = a.close ? closed_factors(a, *job, *scene, tell, closing) : streamed_factors(a, *job, *scene, tell);
     progress.clear();
     if (!found) return report_error(kProgram, found.error());
-    const ClosureReport closure = measure_closure(*found);
-    if (!a.quiet) print_closure(stdout, *found, closure);
-    std::optional<Closing> closing;
-    if (a.close) {
-        auto closed = close_rows(*found);
-        if (!closed) return report_error(kProgram, closed.error());
-        closing = std::move(*closed);
-        if (!a.quiet)
-            std::printf("closed           factors moved by %.3g at most (row of %s)\n", closing->largest_move,
-                        found->names[closing->worst_row].c_str());
-    }
-    if (a.verbose)
-        for (std::size_t g = 0; g < found->names.size(); ++g)
-            std::fprintf(stderr, "  %.9f %s%s\n", closure.row_sum[g], found->names[g].c_str(),
-                         closing ? (", moved by " + std::to_string(closing->moved[g])).c_str() : "");
-    if (found->counts.missed > 0)
-        report_warning(kProgram, std::to_string(found->counts.missed) + " of the sampled factors have a standard error above "
-                                 "half the error asked for; the file says which");
-    seconds.factors = seconds_since(begun) - seconds.load;
-    if (auto written = write_factors(a, *found); !written) return report_error(kProgram, written.error());
     seconds.total = seconds_since(begun);
-    seconds.output = seconds.total - seconds.factors - seconds.load;
+    seconds.factors = seconds.total - seconds.load;
     if (!a.report.empty())
-        if (auto written = write_factors_report(*found, closure, closing, seconds, a.report); !written)
+        if (auto written = write_factors_report(*found, closing, seconds, a.report); !written)
             return report_error(kProgram, written.error());
-    if (!a.quiet) print_counts(*found, seconds);
+    print_factors(a, *found, closing, seconds);
     return 0;
 }
 

@@ -48,15 +48,15 @@ Status check_ray_options(const SolveOptions& options, const std::string& method_
     return Done{};
 }
 
-Status check_deterministic_options(const Scene& scene, const Plan& plan, const SolveOptions& options) {
+Status check_deterministic_options(const Plan& plan, const SolveOptions& options) {
     const std::string name = options.method == Method::Reusable ? "reusable" : "hierarchical";
     if (options.samples > 0)
         return usage("--samples is for --method reference; the " + name + " method takes what --accuracy needs");
-    if (const auto lacking = unsupported(scene, plan, options.method); !lacking.empty())
-        return Error{ErrorKind::Usage, "",
-                     lacking[0] + ": --method " + name + " does not support " +
-                         (options.method == Method::Reusable ? "one that absorbs some colours more than others" : "it") + " in this version",
-                     "use --method reference, or leave it out with --without " + lacking[0]};
+    if (options.method == Method::Hierarchical)
+        for (const std::string effect : kNotBetweenSurfaces)
+            if (plan.on(effect))
+                return Error{ErrorKind::Usage, "", effect + ": --method hierarchical does not support it in this version",
+                             "use --method reference, or leave it out with --without " + effect};
     return Done{};
 }
 
@@ -133,10 +133,10 @@ Result<Solution> solve_scene(const Scene& scene, const SolveOptions& options, co
     if (options.method == Method::Reference)
         if (auto fits = check_ray_options(options, "the reference"); !fits) return fits.error();
     if (options.method == Method::Reusable)
-        if (auto fits = check_deterministic_options(scene, *plan, options); !fits) return fits.error();
+        if (auto fits = check_deterministic_options(*plan, options); !fits) return fits.error();
     if (options.method == Method::Hierarchical) {
         if (auto fits = check_ray_options(options, "the hierarchical method"); !fits) return fits.error();
-        if (auto fits = check_deterministic_options(scene, *plan, options); !fits) return fits.error();
+        if (auto fits = check_deterministic_options(*plan, options); !fits) return fits.error();
     }
     const double plan_seconds = seconds_since(start);
 
@@ -157,17 +157,6 @@ Result<Solution> solve_scene(const Scene& scene, const SolveOptions& options, co
 
 double accuracy_of(const Scene& scene, std::optional<double> asked) {
     return asked.value_or(scene.manifest.accuracy.value_or(kDefaultAccuracy));
-}
-
-std::vector<std::string> unsupported(const Scene& scene, const Plan& plan, Method method) {
-    std::vector<std::string> effects;
-    if (method == Method::Hierarchical)
-        for (const char* effect : kNotBetweenSurfaces)
-            if (plan.on(effect)) effects.push_back(effect);
-    const Vec3 absorption = scene.medium ? scene.medium->absorption : Vec3{};
-    const bool coloured = !(absorption.x == absorption.y && absorption.y == absorption.z);
-    if (method == Method::Reusable && plan.on("medium") && coloured) effects.push_back("medium");
-    return effects;
 }
 
 bool work_done(const Solution& solution, const SolveOptions& options) {

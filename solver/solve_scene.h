@@ -50,10 +50,6 @@ Result<Solution> solve_scene(const Scene& scene, const SolveOptions& options, co
 /// The accuracy to solve for: the one asked for, or the manifest's, or 0.02.
 double accuracy_of(const Scene& scene, std::optional<double> asked);
 
-/// The effects of a plan that a method does not have in this version. (Light groups are not among them: all methods solve for
-/// their sum.)
-std::vector<std::string> unsupported(const Scene& scene, const Plan& plan, Method method);
-
 /// Did the solve do what it was asked? The accuracy was met, or the samples asked for were taken.
 bool work_done(const Solution& solution, const SolveOptions& options);
 

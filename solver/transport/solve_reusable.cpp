@@ -183,7 +183,7 @@ Result<Solution> solve(const Scene& scene, const Plan& plan, const TransportOpti
     LightField<C> field(nodes, areas);
     LinkSet set(nodes, plan.on("self"));
     const bool bounces = plan.on("interreflection");
-    const bool closed = plan.on("self") && is_closed_shell(scene);
+    const bool closed = plan.on("self") && is_closed_shell(scene) && !scene.medium;  // a medium takes from every row
     Guide guide;
     guide.share.assign(scene.instances.size(), std::pow(std::max(kCoarseAccuracy, options.accuracy), 2) * kFirstShare);
     guide.scene_share = guide.share.empty() ? 0 : guide.share[0];
