@@ -9,15 +9,6 @@
 namespace rro::test {
 namespace {
 
-/// Small tables: a hundred archives are compiled here, and the law holds at any resolution.
-CompileOptions coarse() {
-    CompileOptions options;
-    options.image_resolution = 64;
-    options.tables.hit = false;
-    options.tables.atlas = false;
-    return options;
-}
-
 class RandomMaps {
   public:
     /// strength  1: edges up to 3 times as long or as short, sheared by up to 1; 0: shapes are kept
@@ -80,7 +71,7 @@ void check_under_maps(const std::string& what, const Mesh& mesh, double strength
     const Vec3 grey{0.6, 0.6, 0.6}, light{5, 5, 5};
     Scene placed;  // its archives stay, its instances move
     placed.manifest.path = "in memory";
-    for (const Mesh* m : {&mesh, &floor, &panel}) placed.objects.push_back(compile_to_object(*m, coarse()));
+    for (const Mesh* m : {&mesh, &floor, &panel}) placed.objects.push_back(compile_to_object(*m, coarse_tables()));
     RandomMaps random(strength);
     int apart = 0;
     double furthest = 0;
@@ -96,7 +87,7 @@ void check_under_maps(const std::string& what, const Mesh& mesh, double strength
         const Scene baked = make_scene({{transformed(mesh, map), {}, grey, {}, "object"},
                                         {transformed(floor, map), {}, grey, {}, "floor"},
                                         {transformed(panel, map), {}, {}, light, "panel"}},
-                                       coarse());
+                                       coarse_tables());
         const Solution a = solve_reusably(placed, kAccuracy), b = solve_reusably(baked, kAccuracy);
         Solution same;
         for (std::size_t i = 0; i < 3; ++i)
