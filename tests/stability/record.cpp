@@ -37,7 +37,7 @@ constexpr const char* kIntroduction = R"(# Stability: hard cases and the laws th
 
 Written by the tests themselves:
 
-    RRO_STABILITY_PAGE=tests/stability/README.md build/dev/bin/stability_tests '*'
+    RRO_STABILITY_PAGE=tests/stability/README.md build/dev/bin/stability_tests
 
 Each test run checks that this page names the same cases, laws and bounds (`check_page.sh`). A measured value above its
 bound fails; the reason for each bound stands beside the case in the source, one file per family. One family alone:
