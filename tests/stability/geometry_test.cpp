@@ -187,6 +187,24 @@ TEST_CASE("a wall of 1e-5 lit from one side", "[stability][geometry]") {
     record("geometry", "a wall of 1e-5 m between a lamp and the rest", "E = 0 behind it", 0, worst.value());
 }
 
+TEST_CASE("one object in the other's hollow", "[stability][geometry]") {
+    const Mesh cup = translated(make_open_box(0.8, 0.8, 0.8, 2), {0, -0.6, 0});
+    check_in_furnace("a ball in an open box", {furnace(cup, 0.7), furnace(make_sphere(1, 0.2), 0.6, translation({0.05, -0.2, 0}))});
+
+    // Around a glowing ball as around a point: the cup's inside gets all of its light but what leaves by the opening, which
+    // fills asin(1 / (1 + 4 (h / s)^2)) * 4 / (4 pi) of all directions, s its width, h the height above the ball.
+    const double h = 0.4, width = 0.8, r = h / (width / 2);
+    const Scene scene = make_scene({{make_open_box(width, 0.8, width, 2), {}, {0.5, 0.5, 0.5}, {}},
+                                    {make_sphere(2, 0.15), translation({0, 0.8 - h, 0}), {}, {1, 1, 1}}}, coarse_tables());
+    const Solution s = solve_reusably(scene, kAccuracy, {"interreflection"});
+    double received = 0, sent = 0;
+    for (std::size_t f = 0; f < s.instances[0].irradiance.size(); ++f) received += double(s.instances[0].irradiance[f].x) * face_area(scene.instances[0], f);
+    for (std::size_t f = 0; f < s.instances[1].radiosity.size(); ++f) sent += face_area(scene.instances[1], f);
+    const double leaves = std::asin(1 / (1 + r * r)) / std::numbers::pi;
+    record("geometry", "a bulb in an open box", "it receives all but what leaves by the opening", kAccuracy,
+           std::abs(received / sent / (1 - leaves) - 1));
+}
+
 TEST_CASE("an emitter that touches a receiver", "[stability][geometry]") {
     const Vec3 none{}, half{0.5, 0.5, 0.5}, one{1, 1, 1};
     const Mesh floor = make_parallelogram({0, 0, 0}, {0, 0, 1}, {1, 0, 0});

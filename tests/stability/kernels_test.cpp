@@ -204,6 +204,24 @@ TEST_CASE("grazing to the last ulp", "[stability][kernels]") {
            "the contour formula in 113 bits, absolute", 4e-15, worst.value());
 }
 
+TEST_CASE("far triangles that the horizon cuts", "[stability][kernels]") {
+    // Heights over the horizon are known to 1e-16 of the distance, so that F is right to that times the area.
+    Random random;
+    Worst worst;
+    int cut = 0;
+    while (cut < 1000) {
+        const double size = random.magnitude(-5, -2);
+        TriangleCorners t = random.triangle();
+        for (Vec3& c : t) c = c * size + Vec3{1, 0, 0};
+        const Vec3 n = normalised({random.between(-1, 1) * size, random.between(-1, 1), random.between(-1, 1)});
+        const double low = std::min({dot(n, t[0]), dot(n, t[1]), dot(n, t[2])}), high = std::max({dot(n, t[0]), dot(n, t[1]), dot(n, t[2])});
+        if (!(low < 0 && high > 0)) continue;
+        ++cut;
+        worst.add(std::abs(point_to_triangle({}, n, t) - wide_point_factor({}, n, t)) / (size * size * size));
+    }
+    record("kernels", "far triangles across the horizon, sizes 1e-5 to 1e-2", "the contour formula in 113 bits, over size^3", 1e-9, worst.value());
+}
+
 TEST_CASE("disks of radii from 1e-12 to 1e12 of their distance", "[stability][kernels]") {
     Worst factor, reciprocity, monotony;
     for (int i = -12; i <= 12; ++i)

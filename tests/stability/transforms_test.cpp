@@ -67,6 +67,32 @@ TEST_CASE("an archive under a map is the archive of the mapped mesh", "[stabilit
     }
 }
 
+TEST_CASE("a glowing body under maps, seen from afar", "[stability][transforms]") {
+    // The light of a convex body is that of its projection: E = M S(w) / (pi d^2), and by itself its irradiance sums up to
+    // H S(w) where it is lit from there. Far away each errs by (r / d)^2.
+    const Mesh ball = make_sphere(2, 0.5);
+    for (const Mat3& m : {diagonal(1, 4, 1), kTurn * diagonal(0.3, 1, 2), kSheared, diagonal(-1, 1, 3)})
+        for (const Vec3& w : {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}, normalised({1, 2, 3})}) {
+            const double d = 200;
+            const Vec3 u = normalised(cross(w, Vec3{0.3, 0.5, -0.8})), v = cross(u, w);
+            const Mesh plate = make_parallelogram(w * d - 0.5 * (u + v), u, v);  // looks at the origin
+            double projected = 0;
+            for (const TriangleCorners& t : all_corners(transformed(ball, {m, {}}))) projected += std::max(0.0, dot(area_vector(t), w));
+            const Vec3 grey{0.5, 0.5, 0.5}, none{}, one{1, 1, 1};
+            const Scene glowing = make_scene({{ball, {m, {}}, none, one}, {plate, {}, grey, none}}, coarse_tables());
+            const Scene lit = make_scene({{ball, {m, {}}, grey, none}, {plate, {}, none, one}}, coarse_tables());
+            const double h = 1 / (std::numbers::pi * d * d);
+            // Stretched four times, a ball's light varies fast over a grid of 12 x 12 directions.
+            record("transforms", "a glowing ball under maps, 200 m away", "E = M S(w) / (pi d^2)", 0.1,
+                   std::abs(irradiance(glowing, solve_soundly("transforms", glowing, 0.3), 1).mean / (projected * h) - 1));
+            const Solution s = solve_soundly("transforms", lit, 0.3);
+            double received = 0;
+            for (std::size_t f = 0; f < s.instances[0].irradiance.size(); ++f)
+                received += double(s.instances[0].irradiance[f].x) * face_area(lit.instances[0], f);
+            record("transforms", "a ball under maps, lit from 200 m away", "it receives H S(w)", 0.1, std::abs(received / (projected * h) - 1));
+        }
+}
+
 TEST_CASE("almost singular maps are refused with the number", "[stability][transforms]") {
     Worst accepted, refused, named;
     for (const double ratio : {1.0, 1e3, 1e6, 0.99e9}) accepted.add(transform_fault({kTurn * diagonal(ratio, 1, 1), {}}).empty() ? 0 : 1);
