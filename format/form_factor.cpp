@@ -399,6 +399,8 @@ CutTriangle part_in_front(const TriangleCorners& t, const TriangleCorners& b) {
 }  // namespace
 
 double exchange_area(const TriangleCorners& a, const TriangleCorners& b, double tolerance, int max_depth) {
+    // Over the smaller one: a large one may see a small one from so few places that no node of a rule is among them.
+    if (length2(area_vector(b)) < length2(area_vector(a))) return exchange_area(b, a, tolerance, max_depth);
     const Exchange exchange(normalised(area_vector(a)), b);
     const CutTriangle part = part_in_front(a, b);
     const TriangleCorners first{part[0], part[1], part[2]}, second{part[2], part[3], part[0]};

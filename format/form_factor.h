@@ -37,8 +37,9 @@ Vec3 polygon_vector_irradiance(const Vec3& p, std::span<const Vec3> polygon);
 double disk_to_disk(double r1, double r2);
 
 /// A_a F_ab = A_b F_ba between two triangles' fronts, m^2, unoccluded, by adaptive quadrature of point_to_triangle over
-/// the part of `a` in front of `b`, until two levels agree to `tolerance` (relative), at most `max_depth` subdivisions.
-/// Common edges and corners need no care; a gap of less than 1 % of the triangles, but none, may cost some 1e-3 of it.
+/// the part of the smaller one in front of the other, until two levels agree to `tolerance` (relative), at most `max_depth`
+/// subdivisions. Common edges and corners need no care; a gap of less than 1 % of the triangles, but none, may cost some
+/// 1e-3 of it, and so may a needle on a common edge.
 double exchange_area(const TriangleCorners& a, const TriangleCorners& b, double tolerance = 1e-6, int max_depth = 12);
 
 }  // namespace rro

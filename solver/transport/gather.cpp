@@ -433,6 +433,31 @@ double LightField<C>::close_rows() {
 }
 
 template <int C>
+void LightField<C>::reflect_instance(std::uint32_t i) {
+    for_each_leaf(i, [&](std::uint32_t id) {
+        for (std::size_t c = 0; c < C; ++c)
+            radiosity_[id * C + c] = exitance(id, c) + reflectance(id, c) * irradiance_[id * C + c];
+    });
+    pull_instance(i);
+    if (!other_side_[i].empty()) transmit(i), pull_instance(i);
+}
+
+template <int C>
+void LightField<C>::advance(double times) {
+    parallel_for(nodes_.scene().instances.size(), 1, [&](std::size_t k) {
+        const auto i = static_cast<std::uint32_t>(k);
+        for_each_leaf(i, [&](std::uint32_t id) {
+            for (std::size_t c = 0; c < C; ++c) {
+                float& e = irradiance_[id * C + c];
+                e = static_cast<float>(std::max(0.0, double(e) + times * (double(e) - double(before_[id * C + c]))));
+            }
+        });
+        reflect_instance(i);
+    });
+    pull_groups();
+}
+
+template <int C>
 double LightField<C>::sweep() {
     before_ = irradiance_;
     transport();
@@ -450,11 +475,9 @@ double LightField<C>::sweep() {
                 // In reflected light, not in radiosity: beside a strong exitance float would round it away.
                 const double d = double(reflectance(id, c)) * (double(e) - double(before_[id * C + c]));
                 change[i] += nodes_[id].area * d * d;
-                radiosity_[id * C + c] = exitance(id, c) + reflectance(id, c) * e;
             }
         });
-        pull_instance(i);
-        if (!other_side_[i].empty()) transmit(i), pull_instance(i);
+        reflect_instance(i);
     });
     pull_groups();
     double sum = 0, total = 0;

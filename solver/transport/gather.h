@@ -46,6 +46,9 @@ class LightField {
     /// returns  area-weighted root mean square over leaf surfaces and channels of the change of B
     double sweep();
 
+    /// Adds `times` what the last sweep changed in the irradiance; nothing falls below 0.
+    void advance(double times);
+
     /// Area-weighted root mean square of R = B - M over leaf surfaces and channels.
     double reflected_norm() const;
 
@@ -80,6 +83,7 @@ class LightField {
     template <bool Tinted>
     void gather_bins();
     void push_instance(std::uint32_t i, Push what);
+    void reflect_instance(std::uint32_t i);  // leaves' irradiance -> radiosity of all nodes
     void pull_instance(std::uint32_t i);
     void pull_groups();  // after all instances
     bool leaf(std::uint32_t surface) const { return nodes_[surface].child_count == 0; }
