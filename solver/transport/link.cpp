@@ -54,8 +54,6 @@ constexpr double kNegligible = 0.25, kNegligibleNear = 0.01;
 constexpr double kAlong = 0.35, kWithinMedium = 0.5;
 // Tables that do this part of a link's harm are good enough; where they are not, rays find what they would have told.
 constexpr double kAffordable = 0.5;
-// A shadow's edge counts this much more than its own deviation: the parts of one source throw nearly the same shadow.
-constexpr double kEdgesAgree = 1.2;
 // What rays may leave undecided, as a part of a link's harm.
 constexpr double kNoiseShare = 0.5;
 // What a table calls hidden may be seen through a gap between its directions.
@@ -515,8 +513,8 @@ Verdict LinkBuilder::settle(const Offer& o, const Guide& guide) const {
     l.b = o.b;
     l.base_a = static_cast<float>(o.base_a * t.mean);
     l.base_b = static_cast<float>(o.base_b * t.mean);
-    l.error_a = static_cast<float>(std::hypot(o.error_a * t.mean, kEdgesAgree * deviation * shadow_a));
-    l.error_b = static_cast<float>(std::hypot(o.error_b * t.mean, kEdgesAgree * deviation * shadow_b));
+    l.error_a = static_cast<float>(std::hypot(o.error_a * t.mean, deviation * shadow_a));
+    l.error_b = static_cast<float>(std::hypot(o.error_b * t.mean, deviation * shadow_b));
     l.noise = static_cast<float>(o.exchange * std::sqrt(t.variance));
     l.mode_a = o.mode_a;
     l.mode_b = o.mode_b;
