@@ -31,9 +31,11 @@ class AtomicFile {
     Status commit();
 
   private:
-    AtomicFile(std::filesystem::path path, std::filesystem::path target, std::filesystem::path temporary, int file);
-    std::filesystem::path path_, target_, temporary_;  // no temporary one for devices, which are written in place
+    AtomicFile(std::filesystem::path path, std::filesystem::path target, std::filesystem::path temporary, int file,
+               bool device);
+    std::filesystem::path path_, target_, temporary_;  // no temporary one while the file has no name
     int file_ = -1;
+    bool device_ = false;  // written in place
 };
 
 }  // namespace rro

@@ -69,10 +69,8 @@ inline Vec3 edge_vector(const Vec3& a, const Vec3& b) {
     return c * angle_over_sine(length2(c), dot(a, b));
 }
 
-/// Gamma of the edges of a closed contour of four corners. Equal neighbours have none.
-inline FourVec3 edge_vectors(const FourVec3& a) {
-    const FourVec3 b{__builtin_shufflevector(a.x, a.x, 1, 2, 3, 0), __builtin_shufflevector(a.y, a.y, 1, 2, 3, 0),
-                     __builtin_shufflevector(a.z, a.z, 1, 2, 3, 0)};
+/// Gamma of four edges. One without length has none.
+inline FourVec3 edge_vectors(const FourVec3& a, const FourVec3& b) {
     const FourVec3 c = cross(b - a, a);
     const Four c2 = dot(c, c), d = dot(a, b);
     if (bits_of((d > 0.0) & (c2 <= d * d)) == kAllFour) {  // the usual case, all angles below pi / 4, needs no roots
@@ -80,6 +78,12 @@ inline FourVec3 edge_vectors(const FourVec3& a) {
         return c * (inverse * arctangent_ratio(c2 * inverse * inverse));
     }
     return c * angle_over_sine(c2, d);
+}
+
+/// Gamma of the edges of a closed contour of four corners. Equal neighbours have none.
+inline FourVec3 edge_vectors(const FourVec3& a) {
+    return edge_vectors(a, {__builtin_shufflevector(a.x, a.x, 1, 2, 3, 0), __builtin_shufflevector(a.y, a.y, 1, 2, 3, 0),
+                            __builtin_shufflevector(a.z, a.z, 1, 2, 3, 0)});
 }
 
 /// Sum of Gamma over a closed contour whose corners come one by one. Only their directions count.
@@ -311,6 +315,22 @@ double point_to_triangle(const Vec3& p, const Vec3& n, const TriangleCorners& t)
     return as_share(sum_of(dot(n, edge_vectors(seen))) * kPerTurn);
 }
 
+double point_to_polygon_above(const Vec3& p, const Vec3& n, std::span<const Vec3> polygon) {
+    const std::size_t count = polygon.size();
+    Four sum{};
+    for (std::size_t first = 0; first < count; first += 4) {
+        FourVec3 from, to;
+        for (std::size_t lane = 0; lane < 4; ++lane) {  // the contour closes; what fills up has no length
+            const Vec3 a = polygon[first + lane < count ? first + lane : 0] - p;
+            const Vec3 b = polygon[first + lane + 1 < count ? first + lane + 1 : 0] - p;
+            from.x[lane] = a.x, from.y[lane] = a.y, from.z[lane] = a.z;
+            to.x[lane] = b.x, to.y[lane] = b.y, to.z[lane] = b.z;
+        }
+        sum += dot(n, edge_vectors(from, to));
+    }
+    return as_share(sum_of(sum) * kPerTurn);
+}
+
 Vec3 polygon_vector_irradiance(const Vec3& p, std::span<const Vec3> polygon) {
     const PolygonView view = view_of(p, polygon);
     if (view.side == Side::behind || length2(view.normal) == 0) return {};
@@ -379,6 +399,8 @@ CutTriangle part_in_front(const TriangleCorners& t, const TriangleCorners& b) {
 }  // namespace
 
 double exchange_area(const TriangleCorners& a, const TriangleCorners& b, double tolerance, int max_depth) {
+    // Over the smaller one: a large one may see a small one from so few places that no node of a rule is among them.
+    if (length2(area_vector(b)) < length2(area_vector(a))) return exchange_area(b, a, tolerance, max_depth);
     const Exchange exchange(normalised(area_vector(a)), b);
     const CutTriangle part = part_in_front(a, b);
     const TriangleCorners first{part[0], part[1], part[2]}, second{part[2], part[3], part[0]};

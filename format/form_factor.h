@@ -21,6 +21,10 @@ namespace rro {
 double point_to_polygon(const Vec3& p, const Vec3& n, std::span<const Vec3> polygon);
 double point_to_triangle(const Vec3& p, const Vec3& n, const TriangleCorners& t);
 
+/// The same by the contour formula alone, several edges at a time: for a polygon known to be above the horizon of `p` as a
+/// whole, with `p` in front of it. Rounding: some 1e-16, whatever the form factor is.
+double point_to_polygon_above(const Vec3& p, const Vec3& n, std::span<const Vec3> polygon);
+
 /// The vector irradiance 1/(2 pi) sum_k Gamma_k of the front of a planar polygon at `p`: its dot product with any unit
 /// normal that has the whole polygon above the horizon is the form factor point_to_polygon. Nothing is clipped, and the
 /// length is at most 1. Polygon, rounding and source as above; from behind, or on the plane but off the edges, 0.
@@ -33,8 +37,9 @@ Vec3 polygon_vector_irradiance(const Vec3& p, std::span<const Vec3> polygon);
 double disk_to_disk(double r1, double r2);
 
 /// A_a F_ab = A_b F_ba between two triangles' fronts, m^2, unoccluded, by adaptive quadrature of point_to_triangle over
-/// the part of `a` in front of `b`, until two levels agree to `tolerance` (relative), at most `max_depth` subdivisions.
-/// Common edges and corners need no care; a gap of less than 1 % of the triangles, but none, may cost some 1e-3 of it.
+/// the part of the smaller one in front of the other, until two levels agree to `tolerance` (relative), at most `max_depth`
+/// subdivisions. Common edges and corners need no care; a gap of less than 1 % of the triangles, but none, may cost some
+/// 1e-3 of it, and so may a needle on a common edge.
 double exchange_area(const TriangleCorners& a, const TriangleCorners& b, double tolerance = 1e-6, int max_depth = 12);
 
 }  // namespace rro

@@ -65,8 +65,6 @@ std::string explain_text(const Scene& scene, const Plan& plan, const Outlook& o)
     std::string text = head + std::string(columns);
     for (const EffectPlan& e : plan.effects) text += table_row(e.name, e.on ? "on" : "off", e.predicted, e.reason);
     text += table_row("all", "", o.work, "");
-    if (const auto lacking = unsupported(scene, plan, Method::Reusable); !lacking.empty())
-        text += "not predicted, as --method reusable does not support it in this version: " + listed(lacking) + "\n";
     return text;
 }
 

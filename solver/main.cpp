@@ -16,9 +16,11 @@
 #include "solver/edit/manifest_edit.h"
 #include "solver/explain.h"
 #include "solver/factors/factors_output.h"
+#include "solver/factors/previous_factors.h"
 #include "solver/output/output.h"
 #include "solver/solve_scene.h"
 #include "solver/study/compare.h"
+#include "solver/tradeoff/tradeoff.h"
 
 namespace rro {
 namespace {
@@ -37,7 +39,9 @@ constexpr const char* kExamples =
     "  echo '{\"op\":\"move\",\"name\":\"chair\",\"transform\":{\"translate\":[2,0,3]}}' | rro-solve live room.json\n"
     "  rro-solve factors room.json --out factors.csv\n"
     "  rro-solve factors room.json --out factors.json --by material --accuracy 1e-4 --report factors.report.json\n"
+    "  rro-solve factors room.json --reuse factors.json --out factors.json --by material --accuracy 1e-4\n"
     "  rro-solve compare room.json --base library-1.0 --head library-1.1 --fail-if-slower 1.1 --markdown change.md\n"
+    "  rro-solve tradeoff room.json --out tradeoff --accuracy 0.3,0.2,0.1 --variants library-variants\n"
     "Exit codes: 0 done, 1 the work failed or the accuracy was not met, 2 wrong usage, 3 bad input, 4 internal error,\n"
     "130 interrupted.";
 
@@ -56,7 +60,11 @@ struct Arguments {
     TransformOptions transform;
     std::optional<double> threshold;
     bool close = false;
+    std::filesystem::path reuse;
     CompareOptions compare;
+    TradeoffOptions tradeoff;
+    std::vector<std::string> methods = {"reusable", "hierarchical", "reference"};
+    bool no_knobs = false, no_pictures = false;
     std::filesystem::path json_file, markdown_file;
 };
 
@@ -149,6 +157,9 @@ void declare_factors(CLI::App& factors, Arguments& a) {
         ->type_name("E");
     factors.add_option("--threshold", a.threshold, "Write only factors of at least this (default: all, zeros included)")
         ->type_name("F");
+    factors.add_option("--reuse", a.reuse,
+                       "Factors written before to a .json: only what has changed since is computed again")
+        ->type_name("F.json");
     factors.add_flag("--close", a.close, "Correct the factors so that rows sum to 1, as little as can be");
     factors.add_option("--report", a.report, "What was done, as JSON: closure, reciprocity, time")->type_name("FILE.json");
     factors.add_option("--memory", a.memory, "Most memory to use (default: 8G or ulimit -v)")->type_name("8G");
@@ -348,7 +359,8 @@ Progress with_time_left(Progress draw) {
     };
 }
 
-void print_closure(std::FILE* to, const Factors& f, const ClosureReport& closure) {
+void print_closure(std::FILE* to, const FactorTable& f) {
+    const ClosureReport& closure = f.closure;
     std::fprintf(to, "closure          rows differ from 1 by %.3g at most (%s), %.3g on the average\n",
                  closure.largest_defect, f.names[closure.worst_row].c_str(), closure.mean_defect);
     std::fprintf(to, "reciprocity      A_i F_ij and A_j F_ji differ by %.3g at most", closure.largest_asymmetry);
@@ -359,68 +371,97 @@ void print_closure(std::FILE* to, const Factors& f, const ClosureReport& closure
     std::fputc('\n', to);
 }
 
-void print_counts(const Factors& f, const FactorSeconds& seconds) {
+void print_counts(const FactorTable& f, const FactorSeconds& seconds) {
     const auto count = [](std::uint64_t n) { return static_cast<unsigned long long>(n); };
     std::printf("%zu groups by %s, %s; %llu polygons, of which %llu can stand between others\n", f.names.size(),
                 std::string(name_of(f.options.by)).c_str(),
                 f.options.sides == Sides::Front ? "fronts" : "both sides", count(f.polygons), count(f.blockers));
-    std::printf("pairs            %llu exact, %llu with shadows cut out, %llu by %llu rays\n", count(f.counts.exact),
+    std::printf("pairs            %llu exact, %llu with shadows cut out, %llu by %llu rays", count(f.counts.exact),
                 count(f.counts.cut), count(f.counts.sampled), count(f.counts.rays));
-    std::printf("seconds          %.2f (load %.2f, factors %.2f, output %.2f)\n", seconds.total, seconds.load,
-                seconds.factors, seconds.output);
+    if (f.options.previous) std::printf(", %llu reused", count(f.counts.reused));
+    std::printf("\nseconds          %.2f (load %.2f, factors %.2f)\n", seconds.total, seconds.load, seconds.factors);
 }
 
-Status write_factors(const Arguments& a, const Factors& f) {
+/// Computes all rows, closes them and writes them.
+Result<FactorTable> closed_factors(const Arguments& a, const FactorsJob& job, const Scene& scene, const Progress& progress,
+                                   std::optional<Closing>& closing) {
+    auto found = view_factors(scene, job.options, progress);
+    if (!found) return found.error();
+    auto closed = close_rows(*found);
+    if (!closed) {
+        print_closure(stdout, *found);
+        return closed.error();
+    }
+    closing = *std::move(closed);
     const DeferInterrupts until_written;
-    return a.out.extension() == ".json" ? write_factors_json(f, a.threshold, a.out)
-                                        : write_factors_csv(f, a.threshold, a.out);
+    if (auto written = write_factors(*found, a.threshold, true, a.out); !written) return written.error();
+    return static_cast<FactorTable&&>(*std::move(found));
+}
+
+/// Writes rows as they are computed.
+Result<FactorTable> streamed_factors(const Arguments& a, const FactorsJob& job, const Scene& scene, const Progress& progress) {
+    auto file = FactorsFile::open(a.out, a.threshold, false);
+    if (!file) return file.error();
+    auto table = view_factors(
+        scene, job.options,
+        [&](const FactorTable& t, std::uint32_t first, std::span<const FactorRow> rows) { return file->add(t, first, rows); },
+        progress);
+    if (!table) return table.error();
+    const DeferInterrupts until_written;
+    if (auto written = file->finish(*table); !written) return written.error();
+    return table;
+}
+
+void print_factors(const Arguments& a, const FactorTable& f, const std::optional<Closing>& closing, const FactorSeconds& seconds) {
+    if (!a.quiet) {
+        print_closure(stdout, f);
+        if (closing)
+            std::printf("closed           factors moved by %.3g at most (row of %s)\n", closing->largest_move,
+                        f.names[closing->worst_row].c_str());
+        print_counts(f, seconds);
+    }
+    if (a.verbose)
+        for (std::size_t g = 0; g < f.names.size(); ++g)
+            std::fprintf(stderr, "  %.9f %s%s\n", f.closure.row_sum[g], f.names[g].c_str(),
+                         closing ? (", moved by " + std::to_string(closing->moved[g])).c_str() : "");
+    if (f.counts.missed > 0)
+        report_warning(kProgram, std::to_string(f.counts.missed) + " of the sampled factors have a standard error above "
+                                 "half the error asked for; the file says which");
 }
 
 int factors(const Arguments& a) {
     const auto begun = std::chrono::steady_clock::now();
-    const auto job = factors_job_of(a);
+    auto job = factors_job_of(a);
     if (!job) return report_error(kProgram, job.error());
     const std::array<std::filesystem::path, 2> outputs{a.out, a.report};
     if (auto writable = check_outputs(outputs, a.scene); !writable) return report_error(kProgram, writable.error());
     const auto scene = load(a, kGeometry);
     if (!scene) return report_error(kProgram, scene.error());
-    FactorSeconds seconds;
-    seconds.load = seconds_since(begun);
-    if (const std::uint64_t needed = factors_memory(*scene, job->options.by); needed > job->memory)
+    if (const std::uint64_t needed = factors_memory(*scene, job->options, a.close); needed > job->memory)
         return report_error(kProgram, failed(a.scene.string(),
                                              "needs up to " + size_text(needed) + " of memory, " +
                                                  size_text(job->memory) + " are allowed",
                                              "allow more with --memory, or join surfaces in groups"));
+    std::optional<PreviousFactors> previous;
+    if (!a.reuse.empty()) {
+        auto read = read_previous_factors(a.reuse);
+        if (!read) return report_error(kProgram, read.error());
+        job->options.previous = &previous.emplace(*std::move(read));
+    }
+    FactorSeconds seconds;
+    seconds.load = seconds_since(begun);
     TerminalProgress progress(a.quiet);
-    auto found = view_factors(*scene, job->options, with_time_left(progress.callback()));
+    const Progress tell = with_time_left(progress.callback());
+    std::optional<Closing> closing;
+    const auto found = a.close ? closed_factors(a, *job, *scene, tell, closing) : streamed_factors(a, *job, *scene, tell);
     progress.clear();
     if (!found) return report_error(kProgram, found.error());
-    const ClosureReport closure = measure_closure(*found);
-    if (!a.quiet) print_closure(stdout, *found, closure);
-    std::optional<Closing> closing;
-    if (a.close) {
-        auto closed = close_rows(*found);
-        if (!closed) return report_error(kProgram, closed.error());
-        closing = std::move(*closed);
-        if (!a.quiet)
-            std::printf("closed           factors moved by %.3g at most (row of %s)\n", closing->largest_move,
-                        found->names[closing->worst_row].c_str());
-    }
-    if (a.verbose)
-        for (std::size_t g = 0; g < found->names.size(); ++g)
-            std::fprintf(stderr, "  %.9f %s%s\n", closure.row_sum[g], found->names[g].c_str(),
-                         closing ? (", moved by " + std::to_string(closing->moved[g])).c_str() : "");
-    if (found->counts.missed > 0)
-        report_warning(kProgram, std::to_string(found->counts.missed) + " of the sampled factors have a standard error above "
-                                 "half the error asked for; the file says which");
-    seconds.factors = seconds_since(begun) - seconds.load;
-    if (auto written = write_factors(a, *found); !written) return report_error(kProgram, written.error());
     seconds.total = seconds_since(begun);
-    seconds.output = seconds.total - seconds.factors - seconds.load;
+    seconds.factors = seconds.total - seconds.load;
     if (!a.report.empty())
-        if (auto written = write_factors_report(*found, closure, closing, seconds, a.report); !written)
+        if (auto written = write_factors_report(*found, closing, seconds, a.report); !written)
             return report_error(kProgram, written.error());
-    if (!a.quiet) print_counts(*found, seconds);
+    print_factors(a, *found, closing, seconds);
     return 0;
 }
 
@@ -447,8 +488,8 @@ void declare_compare(CLI::App& command, Arguments& a) {
     command.add_option("--memory", a.memory, "Most memory to use (default: 8G or ulimit -v)")->type_name("8G");
 }
 
-/// One measured solve of `compare`, as `run` would do it.
-Result<SolvedScene> solve_once(const Manifest& manifest, const Job& job) {
+/// One measured solve of `compare` or `tradeoff`, as `run` would do it.
+Result<SolvedScene> solve_once(const Manifest& manifest, const Job& job, const Progress& progress = {}) {
     const auto begun = std::chrono::steady_clock::now();
     SectionSet wanted = kGeometry | Section::Source;
     if (job.solve.method == Method::Reusable) wanted = wanted | kTables | sections_of(job.solve.visibility);
@@ -458,7 +499,7 @@ Result<SolvedScene> solve_once(const Manifest& manifest, const Job& job) {
     const std::uint64_t needed = estimated_memory(*scene);
     if (needed > job.memory)
         return failed(manifest.path.string(), "needs about " + size_text(needed) + " of memory", "allow more with --memory");
-    auto solution = solve_scene(*scene, job.solve);
+    auto solution = solve_scene(*scene, job.solve, progress);
     if (!solution) return solution.error();
     solution->seconds.load = load_seconds;
     return SolvedScene{std::move(*scene), std::move(*solution), needed};
@@ -488,6 +529,68 @@ int compare(const Arguments& a) {
     return report_error(kProgram, failed(a.scene.string(),
                                          std::string(compared->too_slow ? "head is slower" : "head differs more") +
                                              " than the threshold allows"));
+}
+
+void declare_tradeoff(CLI::App& command, Arguments& a) {
+    declare_common(command, a);
+    SweepOptions& sweep = a.tradeoff.sweep;
+    command.add_option("--out", a.tradeoff.out, "Folder for the results; run again, it goes on where it was")->required()->type_name("DIR");
+    command.add_option("--accuracy", sweep.accuracies, "Relative errors to ask for (default: 0.3,0.2,0.1,0.05)")
+        ->type_name("LIST")
+        ->allow_extra_args(false)
+        ->delimiter(',');
+    command.add_option("--methods", a.methods, "Methods to run (default: reusable,hierarchical,reference)")
+        ->type_name("LIST")
+        ->allow_extra_args(false)
+        ->delimiter(',');
+    command.add_option("--variants", sweep.variants, "Folders of the scene's archives compiled otherwise, or folders of such folders")
+        ->type_name("DIR");
+    command.add_option("--knobs-at", sweep.knobs_at, "Accuracy at which knobs are swept (default: the middle of the list)")->type_name("E");
+    command.add_flag("--no-knobs", a.no_knobs, "The methods' curves only");
+    command.add_flag("--no-pictures", a.no_pictures, "No pictures of where the error sits");
+    command.add_option("--repeats", a.tradeoff.repeats, "Runs of each point, interleaved")
+        ->type_name("N")
+        ->check(CLI::Range(1, 1000))
+        ->capture_default_str();
+    command.add_option("--samples", a.tradeoff.samples, "Paths per triangle of the reference that judges")
+        ->type_name("N")
+        ->check(CLI::Range(16, 1 << 24))
+        ->capture_default_str();
+    command.add_option("--reference-file", a.tradeoff.reference_file, "A reference at hand, as run --method reference --radiosity writes it")
+        ->type_name("FILE.csv");
+    command.add_option("--budget", a.tradeoff.budget, "Begin no run that would probably end after so many seconds of runs")
+        ->type_name("SECONDS")
+        ->check(CLI::PositiveNumber);
+    command.add_option("--memory", a.memory, "Most memory to use (default: 8G or ulimit -v)")->type_name("8G");
+}
+
+int tradeoff(const Arguments& a) {
+    const auto job = job_of(a);
+    if (!job) return report_error(kProgram, job.error());
+    TradeoffOptions options = a.tradeoff;
+    options.sweep.knobs = !a.no_knobs;
+    options.pictures = !a.no_pictures;
+    options.sweep.methods.clear();
+    for (const std::string& name : a.methods) {
+        const auto method = parse_method(name);
+        if (!method) return report_error(kProgram, method.error());
+        options.sweep.methods.push_back(*method);
+    }
+    const auto manifest = read_manifest(a.scene);
+    if (!manifest) return report_error(kProgram, manifest.error());
+    TerminalProgress progress(a.quiet);
+    const auto solve = [&](const Manifest& m, const SolveOptions& solve_options, const Progress& of_solve) {
+        Job one = *job;
+        one.solve = solve_options;
+        one.solve.memory = job->memory;
+        return solve_once(m, one, with_time_left(of_solve));
+    };
+    const auto measured = measure_tradeoff(*manifest, options, solve, progress.callback());
+    progress.clear();
+    if (!measured) return report_error(kProgram, measured.error());
+    if (auto written = write_tradeoff(*measured); !written) return report_error(kProgram, written.error());
+    if (!a.quiet) std::fputs(tradeoff_text(*measured).c_str(), stdout);
+    return 0;
 }
 
 Status edit_manifest(const Arguments& a, const std::string& command) {
@@ -532,6 +635,8 @@ int main_with(int argc, char** argv) {
     declare_factors(*factors_command, arguments);
     CLI::App* compare_command = app.add_subcommand("compare", "Compare two versions of a scene's archives: time and result");
     declare_compare(*compare_command, arguments);
+    CLI::App* tradeoff_command = app.add_subcommand("tradeoff", "What accuracy costs in time: error over time of all methods and knobs");
+    declare_tradeoff(*tradeoff_command, arguments);
     declare_edits(app, arguments);
     declare_live(*app.add_subcommand("live", "Keep a scene in memory and answer edits, one JSON object per line"), arguments);
     try {
@@ -543,6 +648,7 @@ int main_with(int argc, char** argv) {
     set_thread_count(arguments.threads);
     if (factors_command->parsed()) return factors(arguments);
     if (compare_command->parsed()) return compare(arguments);
+    if (tradeoff_command->parsed()) return tradeoff(arguments);
     if (app.got_subcommand("live")) return live(arguments);
     for (const char* command : {"place", "move", "delete"})
         if (app.got_subcommand(command)) return edit(arguments, command);

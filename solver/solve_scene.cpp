@@ -49,15 +49,15 @@ Status check_ray_options(const SolveOptions& options, const std::string& method_
     return Done{};
 }
 
-Status check_deterministic_options(const Scene& scene, const Plan& plan, const SolveOptions& options) {
+Status check_deterministic_options(const Plan& plan, const SolveOptions& options) {
     const std::string name = options.method == Method::Reusable ? "reusable" : "hierarchical";
     if (options.samples > 0)
         return usage("--samples is for --method reference; the " + name + " method takes what --accuracy needs");
-    if (const auto lacking = unsupported(scene, plan, options.method); !lacking.empty())
-        return Error{ErrorKind::Usage, "",
-                     lacking[0] + ": --method " + name + " does not support " +
-                         (options.method == Method::Reusable ? "one that absorbs some colours more than others" : "it") + " in this version",
-                     "use --method reference, or leave it out with --without " + lacking[0]};
+    if (options.method == Method::Hierarchical)
+        for (const std::string effect : kNotBetweenSurfaces)
+            if (plan.on(effect))
+                return Error{ErrorKind::Usage, "", effect + ": --method hierarchical does not support it in this version",
+                             "use --method reference, or leave it out with --without " + effect};
     return Done{};
 }
 
@@ -94,6 +94,7 @@ Result<Solution> solve_by_method(const Scene& scene, const Plan& plan, const Sol
     transport.accuracy = accuracy;
     transport.seed = options.seed;
     transport.visibility = options.visibility;
+    transport.far_factor = options.far_factor;
     const bool plain = options.transport == Transport::Plain;
     if (plain && (options.visibility == VisibilityMethod::Atlas || options.visibility == VisibilityMethod::Tables))
         return usage("--visibility atlas and tables are for --transport directional");
@@ -112,10 +113,10 @@ Result<Solution> solve_with(const Scene& scene, const SolveOptions& options, con
     if (options.method == Method::Reference)
         if (auto fits = check_ray_options(options, "the reference"); !fits) return fits.error();
     if (options.method == Method::Reusable)
-        if (auto fits = check_deterministic_options(scene, *plan, options); !fits) return fits.error();
+        if (auto fits = check_deterministic_options(*plan, options); !fits) return fits.error();
     if (options.method == Method::Hierarchical) {
         if (auto fits = check_ray_options(options, "the hierarchical method"); !fits) return fits.error();
-        if (auto fits = check_deterministic_options(scene, *plan, options); !fits) return fits.error();
+        if (auto fits = check_deterministic_options(*plan, options); !fits) return fits.error();
     }
     const double plan_seconds = seconds_since(start);
 
@@ -181,17 +182,6 @@ Result<Solution> SceneSolver::solve(std::shared_ptr<const Scene> scene, const So
 
 double accuracy_of(const Scene& scene, std::optional<double> asked) {
     return asked.value_or(scene.manifest.accuracy.value_or(kDefaultAccuracy));
-}
-
-std::vector<std::string> unsupported(const Scene& scene, const Plan& plan, Method method) {
-    std::vector<std::string> effects;
-    if (method == Method::Hierarchical)
-        for (const char* effect : kNotBetweenSurfaces)
-            if (plan.on(effect)) effects.push_back(effect);
-    const Vec3 absorption = scene.medium ? scene.medium->absorption : Vec3{};
-    const bool coloured = !(absorption.x == absorption.y && absorption.y == absorption.z);
-    if (method == Method::Reusable && plan.on("medium") && coloured) effects.push_back("medium");
-    return effects;
 }
 
 bool work_done(const Solution& solution, const SolveOptions& options) {

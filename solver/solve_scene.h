@@ -34,6 +34,7 @@ struct SolveOptions {
     EffectOverrides overrides;
     std::optional<Transport> transport = {};  // for the reusable method only; directional where not given
     std::uint64_t memory = std::uint64_t{8} << 30;  // bytes that the hierarchical method may use for links and elements
+    double far_factor = TransportOptions{}.far_factor;  // the five-times rule, of the reusable method
 };
 
 /// errors   Usage: not a name of the contract, or not supported by this version (lists those that are)
@@ -67,10 +68,6 @@ class SceneSolver {
 
 /// The accuracy to solve for: the one asked for, or the manifest's, or 0.02.
 double accuracy_of(const Scene& scene, std::optional<double> asked);
-
-/// The effects of a plan that a method does not have in this version. (Light groups are not among them: all methods solve for
-/// their sum.)
-std::vector<std::string> unsupported(const Scene& scene, const Plan& plan, Method method);
 
 /// Did the solve do what it was asked? The accuracy was met, or the samples asked for were taken.
 bool work_done(const Solution& solution, const SolveOptions& options);

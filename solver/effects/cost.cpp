@@ -25,6 +25,16 @@ constexpr double kBytesPerFaceAndChannel = 40;
 constexpr double kLinksPerInstance = 80, kFacesExponent = 0.4;
 constexpr double kFineAccuracy = 0.09, kFineExponent = 2.4;
 
+// Emitters, lamps' shades and windows light a scene from a few bright places: that takes more links where the places are
+// curved, as shades are, or most faces are of curved objects. Light from all around, or from lamps without extent that no
+// link leaves, takes fewer.
+constexpr double kCurvedLinks = 2.2, kEvenLinks = 0.45;
+
+// A sky that is seen through holes of a room alone: so many times more rays, links, and seconds for each of these (more
+// rounds of division), by the ratio of a hole that makes no difference to those that there are.
+constexpr double kWideOpen = 0.4, kWindowRays = 1.5, kWindowLinks = 0.67, kWindowSeconds = 0.75;
+constexpr double kNarrowest = 0.01;  // of the fronts' area; a narrower hole lets in as good as nothing
+
 // Links inside objects that see themselves: so many per face at 0.1.
 constexpr double kSelfPerFace = 0.6, kSelfAccuracy = 0.1, kSelfExponent = 2.5;
 
@@ -37,31 +47,51 @@ constexpr double kOutsideRaysPerFace = 70, kOutsideAccuracy = 0.05, kOutsideExpo
 
 /// What the model counts.
 struct Counts {
-    double instances = 0, faces = 0, self_faces = 0;
+    double instances = 0, faces = 0, self_faces = 0, curved_faces = 0;
+    double window = 1;  // how many times narrower than wide open the room around all else is
 };
+
+/// What holds for the room that an instance is, if all others stand in it.
+double window_of(const Scene& scene, const Instance& instance) {
+    const Vec3 slack = instance.bounds.extent() * 0.01;
+    const Box3 room{instance.bounds.lo - slack, instance.bounds.hi + slack};
+    const Box3 &all = scene.bounds;
+    const auto within = [&](int k) { return all.lo[k] >= room.lo[k] && all.hi[k] <= room.hi[k]; };
+    if (!within(0) || !within(1) || !within(2)) return 1;
+    return std::max(1.0, kWideOpen / std::max(kNarrowest, openness(instance.data())));
+}
 
 Counts counts(const Scene& scene) {
     Counts c;
-    std::map<const Object*, bool> sees_itself;  // looked at once each
+    struct Look {
+        bool sees_itself, curved;
+    };
+    std::map<const Object*, Look> looks;  // looked at once each
     for (const Instance& instance : scene.instances) {
-        const auto [known, is_new] = sees_itself.emplace(instance.object, false);
-        if (is_new) known->second = !sees_nothing_of_itself(instance.data());
+        const auto [known, is_new] = looks.emplace(instance.object, Look{});
+        if (is_new) known->second = {!sees_nothing_of_itself(instance.data()), is_curved(instance.data())};
         const auto faces = static_cast<double>(instance.data().faces.size());
         c.faces += faces;
-        if (known->second) c.self_faces += faces;
+        if (known->second.sees_itself) c.self_faces += faces;
+        if (known->second.curved) c.curved_faces += faces;
+        if (scene.sky || scene.sun) c.window = std::max(c.window, window_of(scene, instance));
     }
     c.instances = static_cast<double>(scene.instances.size());
     return c;
 }
 
-double links_between(const Counts& c, double accuracy) {
+double links_between(const Counts& c, double accuracy, const Plan& plan) {
     if (c.instances < 2) return 0;
+    const bool bright_places = plan.on("emitters") || plan.on("transmission") || c.window > 1;
+    const bool curved = plan.on("transmission") || 2 * c.curved_faces > c.faces;
+    const double kind = !bright_places ? kEvenLinks : curved ? kCurvedLinks : 1;
     const double fine = 1 + std::pow(kFineAccuracy / accuracy, kFineExponent);
-    return c.instances * kLinksPerInstance * std::pow(c.faces / c.instances, kFacesExponent) * fine;
+    return c.instances * kLinksPerInstance * std::pow(c.faces / c.instances, kFacesExponent) * fine * kind *
+           std::pow(c.window, kWindowLinks);
 }
 
 double links_inside(const Counts& c, double accuracy) {
-    return kSelfPerFace * c.self_faces * std::pow(kSelfAccuracy / accuracy, kSelfExponent);
+    return kSelfPerFace * c.self_faces * std::pow(kSelfAccuracy / accuracy, kSelfExponent) * std::pow(c.window, kWindowLinks);
 }
 
 Work work(double links, double rays, double bytes, double seconds) {
@@ -92,12 +122,12 @@ Work predict_work(const Scene& scene, double accuracy, unsigned threads, Plan& p
     const std::string carries = carrier(plan.effects);
     if (carries.empty()) return {};
     const Counts c = counts(scene);
-    const double between = links_between(c, accuracy), inside = plan.on("self") ? links_inside(c, accuracy) : 0;
+    const double between = links_between(c, accuracy, plan), inside = plan.on("self") ? links_inside(c, accuracy) : 0;
     const double rays = (between + inside) * kRaysPerLink * std::max(1.0, std::pow(kRayAccuracy / accuracy, kRayExponent));
     const double sweeps = plan.on("interreflection") ? kSweeps * std::pow(kSweepAccuracy / accuracy, kSweepExponent)
                                                      : kDirectSweeps;
     const double sweeping = sweeps * c.faces * kSecondsPerFaceAndSweep / threads;
-    const double per_link = kSecondsPerLink / threads;
+    const double per_link = kSecondsPerLink * std::pow(c.window, kWindowSeconds) / threads;
 
     plan[carries].predicted = work(between, 0, between * kBytesPerLink + c.faces * kBytesPerFaceAndChannel,
                                    between * per_link + sweeping * kOneChannel);
@@ -110,7 +140,8 @@ Work predict_work(const Scene& scene, double accuracy, unsigned threads, Plan& p
         const double sources = std::string_view(name) == "lights" ? static_cast<double>(scene.lights.size()) : 1;
         const double finer = std::pow(kOutsideAccuracy / accuracy, kOutsideExponent);
         const double asked = plan.on("occlusion") ? sources * c.faces * kOutsideRaysPerFace * finer : 0;
-        plan[name].predicted = work(0, asked, 0, asked * kSecondsPerRay / threads);
+        const double through = std::string_view(name) == "sky" ? std::pow(c.window, kWindowRays) : 1;
+        plan[name].predicted = work(0, asked * through, 0, asked * through * kSecondsPerRay / threads);
     }
     return sum_of(plan.effects);
 }

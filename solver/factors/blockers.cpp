@@ -46,7 +46,7 @@ void add_sides(std::span<const Vec3> a, std::span<const Vec3> b, Shaft& shaft) {
 }
 
 bool outside(const Polygon& body, const Shaft& shaft) {
-    for (const HalfSpace& side : shaft.sides) {
+    for (const ShaftSide& side : shaft.sides) {
         double least = std::numeric_limits<double>::infinity();
         for (const Vec3& c : body.corners) least = std::min(least, dot(side.normal, c));
         if (least >= side.offset - body.rounding) return true;
@@ -56,14 +56,14 @@ bool outside(const Polygon& body, const Shaft& shaft) {
 
 bool outside(const Box3& box, const Shaft& shaft) {
     if (!box.overlaps(shaft.box)) return true;
-    for (const HalfSpace& side : shaft.sides)
+    for (const ShaftSide& side : shaft.sides)
         if (-reach(box, -side.normal) >= side.offset) return true;
     return false;
 }
 
 }  // namespace
 
-void make_shaft(std::span<const Vec3> a, const HalfSpace& behind_a, std::span<const Vec3> b, const HalfSpace& behind_b,
+void make_shaft(std::span<const Vec3> a, const ShaftSide& behind_a, std::span<const Vec3> b, const ShaftSide& behind_b,
                 Shaft& shaft) {
     shaft.sides.clear();
     shaft.box = {};
@@ -76,7 +76,7 @@ void make_shaft(std::span<const Vec3> a, const HalfSpace& behind_a, std::span<co
 }
 
 Blockers::Blockers(const Surfaces& surfaces)
-    : bodies_(surfaces.bodies), solids_(surfaces.solids), boxes_(surfaces.bodies.size()) {
+    : bodies_(surfaces.bodies), boxes_(surfaces.bodies.size()) {
     const std::vector<Body>& bodies = bodies_;
     if (bodies.empty()) return;
     parallel_for(bodies.size(), 1024, [&](std::size_t i) { boxes_[i] = box_of(bodies[i].polygon); });
@@ -159,13 +159,13 @@ bool Blockers::reach_into(const Shaft& shaft, std::size_t most, bool whole, Betw
             continue;
         }
         for (std::uint32_t k = 0; k < node.count; ++k) {
-            const std::uint32_t body = order_[node.first + k], group = bodies_[body].group;
-            const bool of_solid = whole && group != kNoGroup && !solids_[group].empty();
-            if (of_solid && std::find(found.solids.begin(), found.solids.end(), group) != found.solids.end()) continue;
+            const std::uint32_t body = order_[node.first + k], solid = bodies_[body].solid;
+            const bool of_solid = whole && solid != kNoSolid;
+            if (of_solid && std::find(found.solids.begin(), found.solids.end(), solid) != found.solids.end()) continue;
             if (outside(bodies_[body].polygon, shaft)) continue;
             if (found.bodies.size() + found.solids.size() == most) return false;
             if (of_solid)
-                found.solids.push_back(group);
+                found.solids.push_back(solid);
             else
                 found.bodies.push_back(body);
         }

@@ -11,26 +11,26 @@
 namespace rro {
 
 /// A half-space normal . x <= offset.
-struct HalfSpace {
+struct ShaftSide {
     Vec3 normal;  // unit
     double offset = 0;
 };
 
 /// The space between two polygons, each in front of the other: what does not reach into it cannot block.
 struct Shaft {
-    std::vector<HalfSpace> sides;  // the two planes of the polygons first
+    std::vector<ShaftSide> sides;  // the two planes of the polygons first
     Box3 box;
 };
 
 /// The hull of both, open towards neither: planes of both polygons, and planes through an edge of one and a corner of
 /// the other with both on one side. Where the polygons are large (tens of corners), planes of some edges only.
-void make_shaft(std::span<const Vec3> a, const HalfSpace& behind_a, std::span<const Vec3> b, const HalfSpace& behind_b,
+void make_shaft(std::span<const Vec3> a, const ShaftSide& behind_a, std::span<const Vec3> b, const ShaftSide& behind_b,
                 Shaft& shaft);
 
 /// What reaches into a shaft.
 struct Between {
     std::vector<std::uint32_t> bodies;  // into Surfaces::bodies
-    std::vector<std::uint32_t> solids;  // groups
+    std::vector<std::uint32_t> solids;  // into Surfaces::solids
 
     bool empty() const { return bodies.empty() && solids.empty(); }
 };
@@ -61,7 +61,6 @@ class Blockers {
     void build(std::uint32_t first, std::uint32_t count);
 
     const std::vector<Body>& bodies_;
-    const std::vector<Solid>& solids_;  // [G]
     std::vector<Box3> boxes_;           // [bodies]
     std::vector<Node> nodes_;           // preorder
     std::vector<std::uint32_t> order_;  // bodies in the order of the leaves

@@ -118,36 +118,49 @@ int solve(std::vector<Exchange>& exchanges, const std::vector<double>& area) {
 
 }  // namespace
 
+void ClosureMeter::add_row(std::span<const Factor> row) {
+    const auto i = static_cast<std::uint32_t>(report_.row_sum.size());
+    double sum = 0;
+    for (const Factor& factor : row) sum += factor.value;
+    report_.row_sum.push_back(sum);
+    const double defect = std::abs(sum - 1);
+    if (defect > report_.largest_defect) {
+        report_.largest_defect = defect;
+        report_.worst_row = i;
+    }
+    weighted_defect_ += area_[i] * defect;
+    weight_ += area_[i];
+}
+
+void ClosureMeter::add_pair(std::uint32_t i, std::uint32_t j, double there, double back) {
+    const double apart = std::abs(there - back), smaller = std::min(area_[i], area_[j]);
+    if (apart > report_.largest_asymmetry * smaller) {
+        report_.largest_asymmetry = apart / smaller;
+        report_.asymmetric_from = i;
+        report_.asymmetric_to = j;
+    }
+    if (std::max(there, back) > kTellingFactor * std::max(area_[i], area_[j]))
+        report_.largest_relative_asymmetry =
+            std::max(report_.largest_relative_asymmetry, apart / std::max(there, back));
+}
+
+ClosureReport ClosureMeter::report() const {
+    ClosureReport report = report_;
+    report.mean_defect = weight_ > 0 ? weighted_defect_ / weight_ : 0;
+    return report;
+}
+
 ClosureReport measure_closure(const Factors& f) {
-    ClosureReport report;
-    double area = 0;
+    ClosureMeter meter(f.area);
     for (std::uint32_t i = 0; i < f.rows.size(); ++i) {
-        double sum = 0;
-        for (const Factor& factor : f.rows[i]) sum += factor.value;
-        report.row_sum.push_back(sum);
-        const double defect = std::abs(sum - 1);
-        if (defect > report.largest_defect) {
-            report.largest_defect = defect;
-            report.worst_row = i;
-        }
-        report.mean_defect += f.area[i] * defect;
-        area += f.area[i];
+        meter.add_row(f.rows[i]);
         for (const Factor& there : f.rows[i]) {
             if (there.to <= i) continue;
             const Factor* back = find(f.rows[there.to], i);
-            const double k1 = f.area[i] * there.value, k2 = back ? f.area[there.to] * back->value : 0;
-            const double apart = std::abs(k1 - k2), smaller = std::min(f.area[i], f.area[there.to]);
-            if (apart > report.largest_asymmetry * smaller) {
-                report.largest_asymmetry = apart / smaller;
-                report.asymmetric_from = i;
-                report.asymmetric_to = there.to;
-            }
-            if (std::max(k1, k2) > kTellingFactor * std::max(f.area[i], f.area[there.to]))
-                report.largest_relative_asymmetry = std::max(report.largest_relative_asymmetry, apart / std::max(k1, k2));
+            meter.add_pair(i, there.to, f.area[i] * there.value, back ? f.area[there.to] * back->value : 0);
         }
     }
-    if (area > 0) report.mean_defect /= area;
-    return report;
+    return meter.report();
 }
 
 Result<Closing> close_rows(Factors& f) {

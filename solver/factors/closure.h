@@ -9,17 +9,22 @@
 
 namespace rro {
 
-struct ClosureReport {
-    std::vector<double> row_sum;         // [G]
-    double largest_defect = 0;           // of |row sum - 1|
-    std::uint32_t worst_row = 0;
-    double mean_defect = 0;              // area-weighted mean of |row sum - 1|
-    double largest_asymmetry = 0;        // of |A_i F_ij - A_j F_ji| / the smaller group's area
-    double largest_relative_asymmetry = 0;  // the same relative to the larger of both, where a factor is above 0.01
-    std::uint32_t asymmetric_from = 0, asymmetric_to = 0;
+/// Adds row after row, and pairs that are not exact.
+class ClosureMeter {
+  public:
+    explicit ClosureMeter(const std::vector<double>& area) : area_(area) {}
+    void add_row(std::span<const Factor> row);
+    /// there, back   A_i F_ij and A_j F_ji, m^2
+    void add_pair(std::uint32_t i, std::uint32_t j, double there, double back);
+    ClosureReport report() const;
+
+  private:
+    const std::vector<double>& area_;  // [G]
+    ClosureReport report_;
+    double weighted_defect_ = 0, weight_ = 0;
 };
 
-/// Says how far rows are from 1 (an open scene leaves 1 what escapes) and pairs from reciprocity. Changes nothing.
+/// Closure and reciprocity of a matrix in memory. Changes nothing.
 ClosureReport measure_closure(const Factors& factors);
 
 /// What `close_rows` did.

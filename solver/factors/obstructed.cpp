@@ -12,34 +12,47 @@ namespace {
 
 constexpr int kMostDepth = 9;       // quarterings by disagreement
 constexpr int kMostForcedDepth = 6;  // and because of small blockers near by
-constexpr double kQuickly = 1e-3;  // tolerance over open exchange from where two rules that agree are believed
 constexpr double kSliver = 1e-13;   // of the emitter: less is left between blockers that share an edge by rounding
 constexpr double kAlike = 2;        // quarters of a symmetric scene err alike: their errors do not quite add as squares
 constexpr double kEdgeOn = 1e-12;   // sine below which a blocker is seen edge-on and hides nothing
 
-/// Convex polygons one after another in one array, so that cutting them allocates nothing.
-struct Pieces {
-    std::vector<Vec3> points;
-    std::vector<std::size_t> ends;
-
+/// Convex polygons one after another in one array that only grows, so that cutting them allocates nothing.
+class Pieces {
+  public:
     void clear() {
-        points.clear();
-        ends.clear();
+        used_ = 0;
+        ends_.clear();
     }
-    std::size_t begin(std::size_t piece) const { return piece == 0 ? 0 : ends[piece - 1]; }
+    std::size_t size() const { return ends_.size(); }
+    bool empty() const { return ends_.empty(); }
     std::span<const Vec3> operator[](std::size_t piece) const {
-        return std::span(points).subspan(begin(piece), ends[piece] - begin(piece));
+        const std::size_t begin = piece == 0 ? 0 : ends_[piece - 1];
+        return {points_.data() + begin, ends_[piece] - begin};
     }
-    void close(double least_area = 0) {  // what has been added since the last end is a piece, unless it is too small
-        const std::size_t first = ends.empty() ? 0 : ends.back();
+    /// Room for the corners of one more piece; `close` says how many it has got.
+    Vec3* room(std::size_t corners) {
+        if (points_.size() < used_ + corners) points_.resize(2 * (used_ + corners));
+        return points_.data() + used_;
+    }
+    void close(std::size_t corners, double least_area) {  // dropped if it is too small
+        if (corners < 3) return;
+        const Vec3* piece = points_.data() + used_;
         Vec3 area;
-        for (std::size_t k = first + 1; k + 1 < points.size(); ++k)
-            area += area_vector(points[first], points[k], points[k + 1]);
-        if (length2(area) > least_area * least_area)
-            ends.push_back(points.size());
-        else
-            points.resize(first);
+        for (std::size_t k = 1; k + 1 < corners; ++k) area += area_vector(piece[0], piece[k], piece[k + 1]);
+        if (length2(area) <= least_area * least_area) return;
+        used_ += corners;
+        ends_.push_back(used_);
     }
+    void add(std::span<const Vec3> piece) {
+        std::copy(piece.begin(), piece.end(), room(piece.size()));
+        used_ += piece.size();
+        ends_.push_back(used_);
+    }
+
+  private:
+    std::vector<Vec3> points_;
+    std::vector<std::size_t> ends_;
+    std::size_t used_ = 0;
 };
 
 /// A blocker between the two planes, with the ball around it.
@@ -49,6 +62,7 @@ struct Blocker {
     double radius = 0;
 };
 
+/// What a point sees of b: all of it, less what each blocker hides of what the ones before it have left.
 class Integrand {
   public:
     Integrand(const Polygon& a, const Polygon& b, const Obstacles& obstacles) : a_(a), b_(b) {
@@ -72,27 +86,22 @@ class Integrand {
 
     /// The factor from a point of a to what it sees of b.
     double operator()(const Vec3& x) {
+        double hidden = 0;
         left_.clear();
-        left_.points.assign(b_.corners.begin(), b_.corners.end());
-        left_.close();
-        for (const Blocker& blocker : blockers_) {
-            if (!edge_planes(x, blocker)) continue;
-            hide(x);
-            if (left_.ends.empty()) return 0;
-        }
-        // The outline of a solid has many edges: of the last one the part of each piece that it hides is subtracted.
-        for (std::size_t k = 0; k + 1 < solids_.size(); ++k) {
+        left_.add(b_.corners);
+        for (std::size_t k = 0; k < blockers_.size() && !left_.empty(); ++k)
+            if (edge_planes(x, blockers_[k])) hidden += hide(x);
+        for (std::size_t k = 0; k < solids_.size() && !left_.empty(); ++k) {
             solids_[k].outline(x, turned_, inner_);
-            hide(x);
+            hidden += hide(x);
         }
-        if (!solids_.empty()) solids_.back().outline(x, turned_, inner_);
-        double sum = 0;
-        for (std::size_t piece = 0; piece < left_.ends.size(); ++piece) {
-            sum += point_to_polygon(x, a_.normal, left_[piece]);
-            if (!solids_.empty()) sum -= hidden(x, left_[piece]);
-        }
-        return std::max(0.0, sum);
+        hid_some_ = hid_some_ || hidden > 0;
+        saw_some_ = saw_some_ || !left_.empty();
+        return left_.empty() ? 0 : std::max(0.0, point_to_polygon_above(x, a_.normal, b_.corners) - hidden);
     }
+
+    /// Whether all points so far saw all of b, or none of it: then no rule can tell its error.
+    bool always_alike() const { return !hid_some_ || !saw_some_; }
 
     /// Whether a blocker near a triangle is too small for its nodes to notice.
     bool may_miss(const Vec3& centre, double radius) const {
@@ -116,63 +125,62 @@ class Integrand {
         return true;
     }
 
-    /// The factor to the part of a piece inside all planes.
-    double hidden(const Vec3& x, std::span<const Vec3> piece) {
-        rest_.assign(piece.begin(), piece.end());
-        if (beyond_one(x)) return 0;
-        for (const Vec3& n : inner_) {
-            clip_to_front(rest_, n, dot(n, x), inside_);
-            std::swap(rest_, inside_);
-            if (rest_.empty()) return 0;
-        }
-        return point_to_polygon(x, a_.normal, rest_);
-    }
-
     /// Takes what is inside all planes out of what is left of b.
-    void hide(const Vec3& x) {
-        next_.clear();
-        for (std::size_t piece = 0; piece < left_.ends.size(); ++piece) {
-            rest_.assign(left_[piece].begin(), left_[piece].end());
-            if (beyond_one(x)) {
-                next_.points.insert(next_.points.end(), rest_.begin(), rest_.end());
-                next_.close();
+    /// returns  the factor to that
+    double hide(const Vec3& x) {
+        double hidden = 0;
+        bool same = true;  // nothing has been taken yet: the pieces stay where they are
+        for (std::size_t piece = 0; piece < left_.size(); ++piece) {
+            const bool stays = beyond_one(x, left_[piece]);
+            if (same && stays) continue;
+            if (same) {
+                next_.clear();
+                for (std::size_t before = 0; before < piece; ++before) next_.add(left_[before]);
+                same = false;
+            }
+            if (stays) {
+                next_.add(left_[piece]);
                 continue;
             }
+            rest_.assign(left_[piece].begin(), left_[piece].end());
             for (const Vec3& n : inner_) {
                 split(x, n);
                 if (rest_.empty()) break;
             }
+            if (!rest_.empty()) hidden += point_to_polygon_above(x, a_.normal, rest_);
         }
-        std::swap(left_, next_);
+        if (!same) std::swap(left_, next_);
+        return hidden;
     }
 
     /// Does the piece lie outside one of the planes as a whole?
-    bool beyond_one(const Vec3& x) const {
+    bool beyond_one(const Vec3& x, std::span<const Vec3> piece) const {
         return std::any_of(inner_.begin(), inner_.end(), [&](const Vec3& n) {
-            return std::all_of(rest_.begin(), rest_.end(), [&](const Vec3& p) { return dot(n, p - x) <= 0; });
+            return std::all_of(piece.begin(), piece.end(), [&](const Vec3& p) { return dot(n, p - x) <= 0; });
         });
     }
 
-    /// What of the piece is outside the plane stays in sight; the inside goes on to the next plane.
+    /// What of the rest is outside the plane stays in sight; the inside goes on to the next plane.
     void split(const Vec3& x, const Vec3& n) {
-        inside_.clear();
-        Vec3 last = rest_.back();
-        double last_height = dot(n, last - x);
-        for (const Vec3& p : rest_) {
-            const double height = dot(n, p - x);
-            if ((height > 0) != (last_height > 0)) {
-                const Vec3 cut = last + (p - last) * (last_height / (last_height - height));
-                inside_.push_back(cut);
-                next_.points.push_back(cut);
-            }
-            if (height > 0)
-                inside_.push_back(p);
-            else
-                next_.points.push_back(p);
-            last = p;
-            last_height = height;
+        heights_.resize(rest_.size());
+        bool all_inside = true;
+        for (std::size_t k = 0; k < rest_.size(); ++k) {
+            heights_[k] = dot(n, rest_[k] - x);
+            all_inside = all_inside && heights_[k] > 0;
         }
-        next_.close(kSliver * b_.area);
+        if (all_inside) return;
+        inside_.resize(2 * rest_.size());
+        Vec3* in = inside_.data();
+        Vec3* const outside = next_.room(2 * rest_.size());
+        Vec3* out = outside;
+        std::size_t last = rest_.size() - 1;
+        for (std::size_t k = 0; k < rest_.size(); last = k++) {
+            if ((heights_[k] > 0) != (heights_[last] > 0))
+                *in++ = *out++ = rest_[last] + (rest_[k] - rest_[last]) * (heights_[last] / (heights_[last] - heights_[k]));
+            (heights_[k] > 0 ? *in++ : *out++) = rest_[k];
+        }
+        next_.close(static_cast<std::size_t>(out - outside), kSliver * b_.area);
+        inside_.resize(static_cast<std::size_t>(in - inside_.data()));
         if (inside_.size() < 3) inside_.clear();
         std::swap(rest_, inside_);
     }
@@ -184,12 +192,35 @@ class Integrand {
     std::vector<std::uint8_t> turned_;
     Pieces left_, next_;
     std::vector<Vec3> inner_, rest_, inside_;
+    std::vector<double> heights_;
+    bool hid_some_ = false, saw_some_ = false;
 };
+
+/// The exchange by the nodes of a rule over the whole polygon.
+double estimate(Integrand& seen, const PolygonRule& rule) {
+    double sum = 0;
+    for (std::uint32_t i = 0; i < rule.count; ++i) {
+        const FourVec3& at = rule.nodes[i / 4];
+        const std::size_t lane = i % 4;
+        sum += rule.weights[i / 4][lane] * seen({at.x[lane], at.y[lane], at.z[lane]});
+    }
+    return sum;
+}
 
 double estimate(Integrand& seen, const TriangleCorners& t, int points) {
     double sum = 0;
     for (const auto& node : triangle_rule(points).nodes) sum += node.weight * seen(triangle_point(t, node.b1, node.b2));
     return sum * length(area_vector(t));
+}
+
+/// Whether b is seen otherwise from somewhere near the corners of a than from all points so far. (What one convex blocker
+/// hides from all corners it hides from all of a.)
+bool corners_differ(Integrand& seen, const Polygon& a) {
+    constexpr double kInwards = 1e-3;  // on a corner itself, which b may touch, no factor is defined
+    return std::any_of(a.corners.begin(), a.corners.end(), [&](const Vec3& corner) {
+        seen(corner + (a.centre - corner) * kInwards);
+        return !seen.always_alike();
+    });
 }
 
 /// value and the square of its error
@@ -217,34 +248,26 @@ Part refine(Integrand& seen, const TriangleCorners& t, double value, double tole
     return part;
 }
 
-/// Where the tolerance is a good part of the exchange, two rules on the whole triangle may do.
-Part integrate(Integrand& seen, const TriangleCorners& t, double tolerance, bool quick) {
-    const double value = estimate(seen, t, 7);
-    if (quick)
-        if (const double difference = std::abs(value - estimate(seen, t, 3)); difference <= tolerance)
-            return {value, difference * difference};
-    return refine(seen, t, value, tolerance, 0);
-}
-
 }  // namespace
 
 double rough_exchange(const Polygon& a, const Polygon& b, const Obstacles& obstacles) {
     Integrand seen(a, b, obstacles);
-    double sum = 0;
-    for (std::size_t k = 1; k + 1 < a.corners.size(); ++k)
-        sum += estimate(seen, {a.corners[0], a.corners[k], a.corners[k + 1]}, 3);
-    return sum;
+    return estimate(seen, a.coarse);
 }
 
-ObstructedExchange obstructed_exchange(const Polygon& a, const Polygon& b, const Obstacles& obstacles, double open,
-                                       double tolerance) {
+ObstructedExchange obstructed_exchange(const Polygon& a, const Polygon& b, const Obstacles& obstacles,
+                                       double tolerance, bool quick) {
     Integrand seen(a, b, obstacles);
+    if (quick) {
+        const double value = estimate(seen, a.fine), difference = std::abs(value - estimate(seen, a.coarse));
+        if (difference <= tolerance / 2 && !(seen.always_alike() && corners_differ(seen, a)))
+            return {value, 2 * kAlike * difference};
+    }
     Part part;
-    const bool quick = tolerance >= kQuickly * open;
     for (std::size_t k = 1; k + 1 < a.corners.size(); ++k) {
         const TriangleCorners t{a.corners[0], a.corners[k], a.corners[k + 1]};
         const double share = length(area_vector(t)) / a.area;
-        const Part of_triangle = integrate(seen, t, tolerance * std::sqrt(share), quick);
+        const Part of_triangle = refine(seen, t, estimate(seen, t, 7), tolerance * std::sqrt(share), 0);
         part.value += of_triangle.value;
         part.error2 += of_triangle.error2;
     }

@@ -24,11 +24,13 @@ struct ObstructedExchange {
 /// leave in sight is cut out exactly, so that the only error is that of the rule over a. Triangles of a are quartered
 /// until two levels agree to `tolerance` (m^2, for the whole), and where a blocker smaller than they is near.
 ///
-/// open      the exchange with nothing between, m^2: tells how much of it the tolerance is
+/// a         with its rules; b wholly in front of it, and it of b
+/// quick     two rules over the whole of a that agree will do
 /// obstacles may reach behind a and b: what does so is cut off
-/// returns   the standard error is twice the quadratic sum of the last differences between levels
-ObstructedExchange obstructed_exchange(const Polygon& a, const Polygon& b, const Obstacles& obstacles, double open,
-                                       double tolerance);
+/// returns   the standard error is twice the quadratic sum of the last differences between levels, or four times that
+///           between rules
+ObstructedExchange obstructed_exchange(const Polygon& a, const Polygon& b, const Obstacles& obstacles,
+                                       double tolerance, bool quick);
 
 /// The same from a few points only, to know how large it is.
 double rough_exchange(const Polygon& a, const Polygon& b, const Obstacles& obstacles);

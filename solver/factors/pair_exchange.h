@@ -18,17 +18,12 @@ struct ObstructedPair {
 struct GroupPair {
     std::uint32_t from = 0, to = 0;  // from <= to
     double exchange = 0;             // m^2: A_from F, of the pairs with nothing between
+    bool known = false;              // all of it is in `exchange`, or to be added to it
     std::vector<ObstructedPair> obstructed;
     double seconds = 0;              // that cutting these will take, by the cost model
     bool sampled = false;            // left to rays
     double there = 0, back = 0;      // all together, integrated over `from` and over `to`
     double error_there = 0, error_back = 0;
-};
-
-/// A pair with nothing between: its exchange is all there is to know.
-struct ExactPair {
-    std::uint32_t to = 0;
-    double exchange = 0;  // m^2
 };
 
 /// What all pairs share. Safe to share between threads.
@@ -48,7 +43,11 @@ struct PairScratch {
     Between between;
 };
 
-/// Sums up what is exact and lists the rest. A pair with too much between for cutting comes back as `sampled`.
+/// What groups i <= j exchange with nothing between; m^2.
+double exact_exchange(const PairWork& work, std::uint32_t i, std::uint32_t j, PairScratch& scratch);
+
+/// Lists what has something between. A pair with too much between for cutting comes back as `sampled`; one of few
+/// polygons with nothing between is not `known`: its exact exchange has not been computed.
 GroupPair find_pair(const PairWork& work, std::uint32_t i, std::uint32_t j, PairScratch& scratch);
 
 /// Adds the obstructed pairs, integrated over either end, to what is exact.

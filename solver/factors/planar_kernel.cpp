@@ -44,7 +44,7 @@ double point_rule(const TriangleCorners& t, const Vec3& normal, std::span<const 
     }
     double sum = 0;
     for (const auto& node : triangle_rule(16).nodes)
-        sum += node.weight * point_to_polygon(triangle_point(t, node.b1, node.b2), normal, polygon);
+        sum += node.weight * point_to_polygon_above(triangle_point(t, node.b1, node.b2), normal, polygon);
     return sum * length(area_vector(t));
 }
 
@@ -157,10 +157,10 @@ bool facing_parts(const Polygon& a, const Polygon& b, FacingPair& pair) {
     pair.a = &a;
     pair.b = &b;
     const auto cut = [](const Polygon& polygon, const Polygon& plane, Polygon& part) {
-        std::vector<Vec3> front;
-        clip_to_front(polygon.corners, plane.normal, plane.offset, front);
-        if (front.empty()) return false;
-        part = make_polygon(std::move(front), polygon.rounding);
+        clip_to_front(polygon.corners, plane.normal, plane.offset, part.corners);
+        if (part.corners.empty()) return false;
+        part.rounding = polygon.rounding;
+        derive_from_corners(part);
         part.normal = polygon.normal;  // a sliver's own is rounding
         part.offset = polygon.offset;
         add_rules(part);

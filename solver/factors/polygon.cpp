@@ -64,6 +64,11 @@ Polygon make_polygon(std::vector<Vec3> corners, double rounding) {
     Polygon p;
     p.corners = std::move(corners);
     p.rounding = rounding;
+    derive_from_corners(p);
+    return p;
+}
+
+void derive_from_corners(Polygon& p) {
     const Vec3 first = p.corners[0];
     Vec3 vector, moment;
     for (std::size_t k = 1; k + 1 < p.corners.size(); ++k) vector += area_vector(first, p.corners[k], p.corners[k + 1]);
@@ -74,12 +79,16 @@ Polygon make_polygon(std::vector<Vec3> corners, double rounding) {
                   (dot(p.normal, area_vector(first, p.corners[k], p.corners[k + 1])) / 3);
     p.centre = p.area > 0 ? first + moment / p.area : first;
     p.offset = dot(p.normal, p.centre);
+    p.radius = 0;
     for (const Vec3& c : p.corners) p.radius = std::max(p.radius, length(c - p.centre));
-    return p;
 }
 
 void add_rules(Polygon& p) {
-    p.coarse = p.fine = p.finest = {};
+    for (PolygonRule* rule : {&p.coarse, &p.fine, &p.finest}) {  // keeping their memory
+        rule->nodes.clear();
+        rule->weights.clear();
+        rule->count = 0;
+    }
     if (is_parallelogram(p)) {
         add_tensor(p.coarse, p, kTwoNodes);
         add_tensor(p.fine, p, kThreeNodes);

@@ -33,6 +33,9 @@ struct Polygon {
 /// A polygon with all that is derived from its corners but the rules, which stay empty.
 Polygon make_polygon(std::vector<Vec3> corners, double rounding);
 
+/// The same for corners that are in place.
+void derive_from_corners(Polygon& polygon);
+
 /// Adds the quadrature rules: tensor Gauss on parallelograms, rules of triangles on a fan for all others.
 void add_rules(Polygon& polygon);
 

@@ -1,4 +1,4 @@
-// Closed convex groups of many faces, which block as one: their shadow is bounded by the edges between faces that are
+// Closed convex sets of faces, which block as one: their shadow is bounded by the edges between faces that are
 // turned to the eye and faces that are not.
 #pragma once
 
@@ -39,7 +39,14 @@ struct Solid {
     Solid in_front(const Vec3& normal, double offset) const;
 };
 
-/// The solid that faces make up, known to be convex; empty where they are not closed edge to edge, or few.
-Solid make_solid(std::span<const Polygon> faces);
+/// The solid that faces make up, known to be convex; empty where they are not closed edge to edge. Corners that are one
+/// are equal.
+Solid make_solid(std::span<const Polygon* const> faces);
+
+/// Faces that hang together by edges that two of them share: lists of their numbers, ascending.
+std::vector<std::vector<std::uint32_t>> joined_by_edges(std::span<const Polygon* const> faces);
+
+/// Is nothing of the faces in front of one of them, but for rounding?
+bool are_convex(std::span<const Polygon* const> faces);
 
 }  // namespace rro

@@ -7,7 +7,7 @@
 namespace rro {
 namespace {
 
-constexpr std::size_t kLargestConvexTest = 20'000;  // faces: each is compared with each
+constexpr std::size_t kFewestFaces = 4;  // of a solid
 
 /// Triangles of one instance that are alike in group and sidedness.
 struct Bucket {
@@ -43,16 +43,31 @@ void fill(const Scene& scene, Bucket& bucket) {
     for (Polygon& polygon : bucket.polygons) add_rules(polygon);
 }
 
-bool is_convex(const std::vector<Polygon>& faces) {
-    if (faces.size() > kLargestConvexTest) return false;
-    for (const Polygon& a : faces)
-        for (const Polygon& b : faces) {
-            const double rounding = std::max(a.rounding, b.rounding);
-            if (a.height(b.centre) > rounding) return false;
-            for (const Vec3& corner : b.corners)
-                if (a.height(corner) > rounding) return false;
-        }
-    return true;
+std::vector<const Polygon*> pointers_to(const std::vector<Polygon>& polygons) {
+    std::vector<const Polygon*> pointers;
+    for (const Polygon& polygon : polygons) pointers.push_back(&polygon);
+    return pointers;
+}
+
+/// Closed convex sets of bodies; tells each body which it is of.
+std::vector<Solid> find_solids(std::vector<Body>& bodies) {
+    std::vector<const Polygon*> polygons;
+    for (const Body& body : bodies) polygons.push_back(&body.polygon);
+    const std::vector<std::vector<std::uint32_t>> sets = joined_by_edges(polygons);
+    std::vector<Solid> candidates(sets.size());
+    parallel_for(sets.size(), 1, [&](std::size_t s) {
+        if (sets[s].size() < kFewestFaces) return;
+        std::vector<const Polygon*> faces;
+        for (const std::uint32_t body : sets[s]) faces.push_back(polygons[body]);
+        if (are_convex(faces)) candidates[s] = make_solid(faces);
+    });
+    std::vector<Solid> solids;
+    for (std::size_t s = 0; s < sets.size(); ++s) {
+        if (candidates[s].empty()) continue;
+        for (const std::uint32_t body : sets[s]) bodies[body].solid = static_cast<std::uint32_t>(solids.size());
+        solids.push_back(std::move(candidates[s]));
+    }
+    return solids;
 }
 
 }  // namespace
@@ -86,12 +101,9 @@ Surfaces gather_surfaces(const Scene& scene, const SurfaceGroups& groups, Sides 
         }
     }
     surfaces.bodies = joined_bodies(bodies);
+    surfaces.solids = find_solids(surfaces.bodies);
     surfaces.convex.assign(count, 0);
-    surfaces.solids.resize(count);
-    parallel_for(count, 1, [&](std::size_t g) {
-        surfaces.convex[g] = is_convex(surfaces.faces[g]);
-        if (surfaces.convex[g]) surfaces.solids[g] = make_solid(surfaces.faces[g]);
-    });
+    parallel_for(count, 1, [&](std::size_t g) { surfaces.convex[g] = are_convex(pointers_to(surfaces.faces[g])); });
     return surfaces;
 }
 

@@ -10,10 +10,13 @@
 
 namespace rro {
 
+inline constexpr std::uint32_t kNoSolid = 0xffffffffu;
+
 /// What blocks: sides that look the same way from one plane, of whichever groups they are.
 struct Body {
     Polygon polygon;                 // its front; no rules
     std::uint32_t group = kNoGroup;  // of all of it, or none
+    std::uint32_t solid = kNoSolid;  // that it is a face of, or none
 };
 
 /// A side of a triangle that exchanges, to draw points from.
@@ -27,7 +30,7 @@ struct Surfaces {
     std::vector<std::vector<Polygon>> faces;    // [G] sides that exchange, by group
     std::vector<std::vector<GroupTriangle>> triangles;  // [G] the same, as triangles
     std::vector<double> area;         // [G] m^2, sum over the triangles' sides
-    std::vector<Solid> solids;                  // [G] empty where the group is none
+    std::vector<Solid> solids;        // closed convex sets of bodies, of whichever groups
     std::vector<std::uint8_t> convex; // [G] nothing of the group stands before one of its faces
 };
 

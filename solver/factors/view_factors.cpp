@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <atomic>
 #include <mutex>
-#include <numeric>
+#include <optional>
 
 #include "format/parallel.h"
+#include "solver/factors/closure.h"
 #include "solver/factors/pair_exchange.h"
+#include "solver/factors/previous_factors.h"
 #include "solver/factors/sampled_row.h"
 
 namespace rro {
@@ -33,15 +35,16 @@ class Steps {
     std::mutex mutex_;
 };
 
-/// Unordered pairs of groups that exchange, by the lesser group.
-struct PairsOfRow {
-    std::vector<ExactPair> exact;
-    std::vector<GroupPair> open;  // with something between
+/// Pairs of groups with something between, or of so many polygons that their exchange is kept.
+struct OpenPairs {
+    std::vector<std::vector<GroupPair>> by_lesser;      // [G] ascending
+    std::vector<std::vector<GroupPair*>> of_row;        // [G] all that a row has, ascending by the other group
 };
-using Rows = std::vector<PairsOfRow>;
 
-Rows find_pairs(const PairWork& work, const Progress& progress) {
+OpenPairs find_pairs(const PairWork& work, const Unchanged& unchanged, const Progress& progress) {
     const std::size_t count = work.surfaces.faces.size();
+    OpenPairs pairs{std::vector<std::vector<GroupPair>>(count), std::vector<std::vector<GroupPair*>>(count)};
+    if (work.blockers.empty()) return pairs;
     std::vector<double> faces(count + 1, 0);
     double sum = 0, total = 0;
     for (std::size_t i = count; i-- > 0;) {
@@ -49,34 +52,32 @@ Rows find_pairs(const PairWork& work, const Progress& progress) {
         faces[i] = sum * static_cast<double>(work.surfaces.faces[i].size());
         total += faces[i];
     }
-    Steps steps(progress, "factors", total);
-    Rows rows(count);
-    parallel_for(count, 1, [&](std::size_t i) {
+    Steps steps(progress, "what is between", total);
+    parallel_for(count, 1, [&](std::size_t row) {
         PairScratch scratch;
-        for (std::size_t j = i; j < count; ++j) {
-            GroupPair pair = find_pair(work, static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j), scratch);
-            if (pair.sampled || !pair.obstructed.empty())
-                rows[i].open.push_back(std::move(pair));
-            else if (pair.exchange > 0)
-                rows[i].exact.push_back({pair.to, pair.exchange});
+        const auto i = static_cast<std::uint32_t>(row);
+        for (std::uint32_t j = i; j < count; ++j) {
+            if (unchanged.holds(i, j)) continue;
+            GroupPair pair = find_pair(work, i, j, scratch);
+            if (pair.sampled || pair.known) pairs.by_lesser[i].push_back(std::move(pair));
         }
+        pairs.by_lesser[i].shrink_to_fit();
         steps.add(faces[i]);
     });
-    return rows;
+    for (std::vector<GroupPair>& row : pairs.by_lesser)
+        for (GroupPair& pair : row) {
+            pairs.of_row[pair.from].push_back(&pair);
+            if (pair.to != pair.from) pairs.of_row[pair.to].push_back(&pair);
+        }
+    return pairs;
 }
 
 /// Rows that cost too much by cutting give their dearest pairs to the rays.
-void choose_sampled(Rows& rows) {
-    std::vector<std::vector<GroupPair*>> of_row(rows.size());
-    for (std::size_t i = 0; i < rows.size(); ++i)
-        for (GroupPair& pair : rows[i].open)
-            if (!pair.obstructed.empty()) {
-                of_row[i].push_back(&pair);
-                if (pair.to != i) of_row[pair.to].push_back(&pair);
-            }
-    for (auto& row : of_row) {
+void choose_sampled(const OpenPairs& pairs) {
+    for (std::vector<GroupPair*> row : pairs.of_row) {
         double seconds = 0;
         for (const GroupPair* pair : row) seconds += pair->sampled ? 0 : pair->seconds;
+        if (seconds <= kRowSeconds) continue;
         std::stable_sort(row.begin(), row.end(),
                          [](const GroupPair* a, const GroupPair* b) { return a->seconds > b->seconds; });
         for (GroupPair* pair : row) {
@@ -88,11 +89,11 @@ void choose_sampled(Rows& rows) {
     }
 }
 
-void cut_pairs(const PairWork& work, Rows& rows, const Progress& progress) {
+void cut_pairs(const PairWork& work, OpenPairs& open, const Progress& progress) {
     std::vector<GroupPair*> pairs;
     double total = 0;
-    for (PairsOfRow& row : rows)
-        for (GroupPair& pair : row.open) {
+    for (std::vector<GroupPair>& row : open.by_lesser)
+        for (GroupPair& pair : row) {
             if (pair.sampled) pair.obstructed = {};
             if (pair.obstructed.empty()) continue;
             pairs.push_back(&pair);
@@ -101,102 +102,226 @@ void cut_pairs(const PairWork& work, Rows& rows, const Progress& progress) {
     Steps steps(progress, "shadows", total);
     parallel_for(pairs.size(), 1, [&](std::size_t k) {
         cut_out(work, *pairs[k]);
+        pairs[k]->obstructed = {};
         steps.add(pairs[k]->seconds);
     });
 }
 
-/// Moves the pairs into both their rows, ascending.
-void fill_rows(Rows& pairs, Factors& factors) {
-    for (std::uint32_t i = 0; i < pairs.size(); ++i) {
-        for (const ExactPair& pair : pairs[i].exact) {
-            factors.rows[i].push_back({pair.to, 0, pair.exchange / factors.area[i]});
-            if (pair.to != i) factors.rows[pair.to].push_back({i, 0, pair.exchange / factors.area[pair.to]});
-        }
-        pairs[i].exact = {};
-        for (const GroupPair& pair : pairs[i].open) {
-            if (pair.sampled) continue;
-            const double a = factors.area[i], b = factors.area[pair.to];
-            factors.rows[i].push_back({pair.to, static_cast<float>(pair.error_there / a), pair.there / a});
-            if (pair.to != i)
-                factors.rows[pair.to].push_back({i, static_cast<float>(pair.error_back / b), pair.back / b});
-            if (pair.error_there > 0 || pair.error_back > 0) factors.counts.cut += pair.to == i ? 1 : 2;
-        }
-    }
+/// What a row exchanges exactly; m^2.
+struct ExactRow {
+    struct Entry {
+        std::uint32_t to = 0;
+        double exchange = 0;
+    };
+    std::vector<Entry> before, after;  // with groups below the block; with itself and all that follow
+};
+
+ExactRow exact_row(const PairWork& work, const OpenPairs& open, const Unchanged& unchanged, std::uint32_t i,
+                   std::uint32_t block) {
+    ExactRow row;
+    PairScratch scratch;
+    const auto add = [&](std::uint32_t j, std::vector<ExactRow::Entry>& to) {
+        if (unchanged.holds(i, j)) return;
+        const double exchange = exact_exchange(work, std::min(i, j), std::max(i, j), scratch);
+        if (exchange > 0) to.push_back({j, exchange});
+    };
+    auto next = open.of_row[i].begin();
+    const auto is_open = [&](std::uint32_t j) {
+        const auto other = [&] { return (*next)->from == i ? (*next)->to : (*next)->from; };
+        while (next != open.of_row[i].end() && other() < j) ++next;
+        return next != open.of_row[i].end() && other() == j;
+    };
+    for (std::uint32_t j = 0; j < block; ++j)
+        if (!is_open(j)) add(j, row.before);
+    for (std::uint32_t j = i; j < work.surfaces.faces.size(); ++j)
+        if (!is_open(j)) add(j, row.after);
+    return row;
 }
 
-void sample_rows(const Scene& scene, const SurfaceGroups& groups, const Surfaces& surfaces, const Rows& pairs,
-                 Factors& factors, const Progress& progress) {
-    std::vector<std::vector<std::uint32_t>> wanted(pairs.size());
-    std::size_t rows = 0;
-    for (std::uint32_t i = 0; i < pairs.size(); ++i)
-        for (const GroupPair& pair : pairs[i].open)
-            if (pair.sampled) {
-                wanted[i].push_back(pair.to);
-                if (pair.to != i) wanted[pair.to].push_back(i);
-            }
-    for (const auto& row : wanted) rows += !row.empty();
-    if (rows == 0) return;
-    const SceneRays rays(scene);
-    const RayScene ray_scene{scene, groups, surfaces, rays, factors.options.sides};
-    Steps steps(progress, "rays", static_cast<double>(rows));
-    for (std::uint32_t i = 0; i < pairs.size(); ++i) {
-        if (wanted[i].empty()) continue;
-        const SampledRow row = sampled_row(ray_scene, i, wanted[i], factors.options.accuracy);
-        for (const std::uint32_t to : wanted[i]) {
-            factors.rows[i].push_back({to, static_cast<float>(row.standard_error[to]), row.factor[to]});
-            factors.counts.missed +=
-                row.standard_error[to] > 0.5 * factors.options.accuracy * std::max(row.factor[to], 0.01);
-        }
-        factors.counts.sampled += wanted[i].size();
-        factors.counts.rays += row.rays;
-        steps.add(1);
+/// Adds what has been found for pairs that are not exact, and what is taken over, to a row.
+void complete_row(const OpenPairs& open, const Unchanged& unchanged, std::uint32_t i, double area, FactorRow& row) {
+    const std::size_t exact = row.size();
+    for (const GroupPair* pair : open.of_row[i]) {
+        if (pair->sampled) continue;
+        const bool there = pair->from == i;
+        const double value = (there ? pair->there : pair->back) / area, error = there ? pair->error_there : pair->error_back;
+        if (value > 0 || error > 0)
+            row.push_back({there ? pair->to : pair->from, static_cast<float>(error / area), value});
     }
+    unchanged.each_in_row(i, [&](const Factor& factor) { row.push_back(factor); });
+    if (row.size() > exact)
+        std::sort(row.begin(), row.end(), [](const Factor& a, const Factor& b) { return a.to < b.to; });
+}
+
+/// Traces the rays of a row that has pairs for them, and adds what they find to the row and to the pairs.
+void sample_row(const RayScene& scene, const OpenPairs& open, std::uint32_t i, FactorTable& table, FactorRow& row) {
+    std::vector<std::uint32_t> wanted;
+    for (const GroupPair* pair : open.of_row[i])
+        if (pair->sampled) wanted.push_back(pair->from == i ? pair->to : pair->from);
+    if (wanted.empty()) return;
+    const SampledRow found = sampled_row(scene, i, wanted, table.options.accuracy);
+    for (GroupPair* pair : open.of_row[i]) {
+        if (!pair->sampled) continue;
+        const std::uint32_t to = pair->from == i ? pair->to : pair->from;
+        row.push_back({to, static_cast<float>(found.standard_error[to]), found.factor[to]});
+        (pair->from == i ? pair->there : pair->back) = found.factor[to] * table.area[i];
+        if (pair->from == pair->to) pair->back = pair->there;
+        table.counts.missed += found.standard_error[to] > 0.5 * table.options.accuracy * std::max(found.factor[to], 0.01);
+    }
+    table.counts.sampled += wanted.size();
+    table.counts.rays += found.rays;
+    std::sort(row.begin(), row.end(), [](const Factor& a, const Factor& b) { return a.to < b.to; });
+}
+
+/// Rows [begin, end), but for rays.
+std::vector<FactorRow> block_of_rows(const PairWork& work, const OpenPairs& open, const Unchanged& unchanged,
+                                     std::uint32_t begin, std::uint32_t end, Steps& steps) {
+    std::vector<ExactRow> exact(end - begin);
+    parallel_for(exact.size(), 1, [&](std::size_t k) {
+        exact[k] = exact_row(work, open, unchanged, begin + static_cast<std::uint32_t>(k), begin);
+        steps.add(1);
+    });
+    const std::vector<double>& area = work.surfaces.area;
+    std::vector<FactorRow> rows(exact.size());
+    for (std::size_t k = 0; k < rows.size(); ++k) {  // ascending: what earlier rows have given comes before a row's own
+        const auto i = begin + static_cast<std::uint32_t>(k);
+        if (k == 0)
+            for (std::size_t r = 0; r < rows.size(); ++r) {
+                for (const auto& entry : exact[r].before) rows[r].push_back({entry.to, 0, entry.exchange / area[begin + r]});
+                exact[r].before = {};
+            }
+        for (const auto& entry : exact[k].after) {
+            rows[k].push_back({entry.to, 0, entry.exchange / area[i]});
+            if (entry.to > i && entry.to < end) rows[entry.to - begin].push_back({i, 0, entry.exchange / area[entry.to]});
+        }
+        exact[k].after = {};
+    }
+    parallel_for(rows.size(), 1, [&](std::size_t k) {
+        const std::uint32_t i = begin + static_cast<std::uint32_t>(k);
+        complete_row(open, unchanged, i, area[i], rows[k]);
+    });
+    return rows;
+}
+
+/// Reciprocity of what is not exact: of pairs computed now and of those taken over.
+void measure_pairs(const OpenPairs& open, const std::vector<double>& area, ClosureMeter& meter) {
+    for (std::uint32_t i = 0; i < area.size(); ++i)
+        for (const GroupPair* pair : open.of_row[i])
+            if (pair->from == i && pair->to != i) meter.add_pair(i, pair->to, pair->there, pair->back);
+}
+void measure_unchanged(const Unchanged& unchanged, std::uint32_t i, const std::vector<double>& area, ClosureMeter& meter) {
+    unchanged.each_in_row(i, [&](const Factor& there) {
+        if (there.standard_error > 0 && there.to > i)
+            meter.add_pair(i, there.to, area[i] * there.value, area[there.to] * unchanged.value(there.to, i));
+    });
+}
+
+FactorCounts counts_of(const OpenPairs& open, const Unchanged& unchanged, std::uint32_t groups) {
+    FactorCounts counts;
+    for (const auto& row : open.of_row)
+        for (const GroupPair* pair : row) counts.cut += !pair->sampled && (pair->error_there > 0 || pair->error_back > 0);
+    for (std::uint32_t i = 0; i < groups && !unchanged.empty(); ++i)
+        for (std::uint32_t j = 0; j < groups; ++j) counts.reused += unchanged.holds(i, j);
+    return counts;
+}
+
+Result<FactorTable> start_table(const Scene& scene, const FactorOptions& options, const SurfaceGroups& groups,
+                                const Surfaces& surfaces) {
+    for (std::size_t g = 0; g < surfaces.area.size(); ++g)
+        if (!(surfaces.area[g] > 0))
+            return bad_input(scene.manifest.path.string(), "\"" + groups.names[g] + "\" has no side with an area");
+    FactorTable table;
+    table.options = options;
+    table.options.by = groups.by;
+    table.names = groups.names;
+    table.area = surfaces.area;
+    table.instances = record_instances(scene, groups);
+    table.polygons = surfaces.bodies.size();
+    return table;
 }
 
 }  // namespace
 
-Result<Factors> view_factors(const Scene& scene, const FactorOptions& options, const Progress& progress) {
-    auto groups = surface_groups(scene, options.by);
+Result<FactorTable> view_factors(const Scene& scene, const FactorOptions& options, const TakeRows& take,
+                                 const Progress& progress) {
+    const auto groups = surface_groups(scene, options.by);
     if (!groups) return groups.error();
     const Surfaces surfaces = gather_surfaces(scene, *groups, options.sides);
-    for (std::size_t g = 0; g < surfaces.area.size(); ++g)
-        if (!(surfaces.area[g] > 0))
-            return bad_input(scene.manifest.path.string(), "\"" + groups->names[g] + "\" has no side with an area");
+    auto started = start_table(scene, options, *groups, surfaces);
+    if (!started) return started.error();
+    FactorTable& table = *started;
     const Blockers blockers(surfaces);
-    Factors factors;
-    factors.options = options;
-    factors.options.by = groups->by;
-    factors.names = groups->names;
-    factors.area = surfaces.area;
-    factors.rows.resize(groups->names.size());
-    factors.polygons = surfaces.bodies.size();
-    factors.blockers = blockers.size();
-
+    table.blockers = blockers.size();
     const PairWork work(surfaces, blockers, options.accuracy);
-    Rows pairs = find_pairs(work, progress);
-    choose_sampled(pairs);
-    cut_pairs(work, pairs, progress);
-    fill_rows(pairs, factors);
-    sample_rows(scene, *groups, surfaces, pairs, factors, progress);
-    for (auto& row : factors.rows)
-        std::sort(row.begin(), row.end(), [](const Factor& a, const Factor& b) { return a.to < b.to; });
-    const std::uint64_t all = std::uint64_t{factors.names.size()} * factors.names.size();
-    factors.counts.exact = all - factors.counts.cut - factors.counts.sampled;
+    Unchanged unchanged;
+    if (options.previous) {
+        auto found = Unchanged::between(*options.previous, table, work.boxes);
+        if (!found) return found.error();
+        unchanged = *std::move(found);
+    }
+    OpenPairs open = find_pairs(work, unchanged, progress);
+    choose_sampled(open);
+    cut_pairs(work, open, progress);
+
+    const auto count = static_cast<std::uint32_t>(table.names.size());
+    table.counts = counts_of(open, unchanged, count);
+    std::optional<SceneRays> rays;
+    for (const auto& row : open.by_lesser)
+        if (!rays && std::any_of(row.begin(), row.end(), [](const GroupPair& pair) { return pair.sampled; }))
+            rays.emplace(scene);
+    ClosureMeter meter(table.area);
+    Steps steps(progress, "factors", static_cast<double>(count) * (rays ? 2 : 1));
+    const std::uint64_t at_a_time = std::max<std::uint64_t>(1, options.numbers_at_a_time / count);
+    for (std::uint64_t begin = 0; begin < count; begin += at_a_time) {
+        const auto first = static_cast<std::uint32_t>(begin);
+        const auto end = static_cast<std::uint32_t>(std::min<std::uint64_t>(count, begin + at_a_time));
+        std::vector<FactorRow> rows = block_of_rows(work, open, unchanged, first, end, steps);
+        for (std::uint32_t i = first; i < end; ++i) {
+            if (rays) {
+                sample_row({scene, *groups, surfaces, *rays, options.sides}, open, i, table, rows[i - first]);
+                steps.add(1);
+            }
+            meter.add_row(rows[i - first]);
+            measure_unchanged(unchanged, i, table.area, meter);
+        }
+        if (auto taken = take(table, first, rows); !taken) return taken.error();
+    }
+    measure_pairs(open, table.area, meter);
+    table.closure = meter.report();
+    const FactorCounts& c = table.counts;
+    table.counts.exact = std::uint64_t{count} * count - c.cut - c.sampled - c.reused;
+    return started;
+}
+
+Result<Factors> view_factors(const Scene& scene, const FactorOptions& options, const Progress& progress) {
+    Factors factors;
+    FactorOptions at_once = options;
+    at_once.numbers_at_a_time = ~std::uint64_t{0};
+    auto table = view_factors(
+        scene, at_once,
+        [&](const FactorTable&, std::uint32_t, std::span<const FactorRow> rows) -> Status {
+            factors.rows.insert(factors.rows.end(), rows.begin(), rows.end());
+            return Done{};
+        },
+        progress);
+    if (!table) return table.error();
+    static_cast<FactorTable&>(factors) = *std::move(table);
     return factors;
 }
 
-std::uint64_t factors_memory(const Scene& scene, GroupBy by) {
-    // Two numbers in vectors that have grown by doubling, and what they were made from.
-    constexpr std::uint64_t kPerPair = 2 * sizeof(Factor) + sizeof(ExactPair);
+std::uint64_t factors_memory(const Scene& scene, const FactorOptions& options, bool whole) {
+    constexpr std::uint64_t kPerNumber = 3 * sizeof(Factor);  // in vectors that have grown by doubling, and the mirror's
     constexpr std::uint64_t kPerTriangle = 3000;  // a polygon on both sides with its rules, where none are merged
+    constexpr std::uint64_t kPerGroup = 1000;     // names, areas, records
     std::uint64_t groups = scene.instances.size();
-    if (by == GroupBy::Group || (by == GroupBy::Auto && !scene.manifest.groups.empty()))
+    if (options.by == GroupBy::Group || (options.by == GroupBy::Auto && !scene.manifest.groups.empty()))
         groups = scene.manifest.groups.size();
-    if (by == GroupBy::Material) {
+    if (options.by == GroupBy::Material) {
         groups = 0;
         for (const Instance& i : scene.instances) groups += i.data().materials.size();
     }
-    return groups * groups * kPerPair + scene.triangle_count() * kPerTriangle;
+    const std::uint64_t numbers = whole ? groups * groups : std::min(groups * groups, options.numbers_at_a_time + groups);
+    return numbers * kPerNumber + groups * kPerGroup + scene.triangle_count() * kPerTriangle;
 }
 
 }  // namespace rro

@@ -100,6 +100,31 @@ std::vector<Pairing> sizes_of(const SolvedScene& base, const SolvedScene& head, 
             {"bytes of archives", archive_bytes(base_manifest), archive_bytes(head_manifest)}};
 }
 
+std::string tables_of(const ObjectMeta& meta) {
+    return std::to_string(meta.grid_size) + " x " + std::to_string(meta.grid_size) +
+           (meta.grid_map == GridMap::LatLong ? " latlong" : " octahedral");
+}
+
+/// Every value that occurs among a scene's archives.
+template <class ValueOf>
+std::string occurring(const Scene& scene, const ValueOf& value_of) {
+    std::set<std::string> values;
+    for (const auto& object : scene.objects) values.insert(value_of(object->data().meta));
+    std::string text;
+    for (const std::string& value : values) text += (text.empty() ? "" : ", ") + value;
+    return text;
+}
+
+void tell_making(const Scene& base, const Scene& head, Comparison& c) {
+    const auto compiler = [](const ObjectMeta& meta) { return meta.tool_version; };
+    c.made = {{"tables", occurring(base, tables_of), occurring(head, tables_of)},
+              {"compiler", occurring(base, compiler), occurring(head, compiler)}};
+    std::set<std::string> in_head;
+    for (const auto& object : head.objects) in_head.insert(object->archive.content_sha256());
+    c.archives = base.objects.size();
+    for (const auto& object : base.objects) c.changed += in_head.contains(object->archive.content_sha256()) ? 0 : 1;
+}
+
 constexpr std::array kPhases{"load", "plan", "links", "visibility", "iterate", "total"};
 
 std::array<double, kPhases.size()> seconds_of(const PhaseSeconds& s) {
@@ -177,6 +202,7 @@ Result<Comparison> compare_archives(const Manifest& manifest, const CompareOptio
     Comparison c;
     c.scene = manifest.path.string();
     c.options = options;
+    tell_making(first[0]->scene, first[1]->scene, c);
     for (std::size_t p = 0; p < kPhases.size(); ++p)
         c.times.push_back(phase_times(kPhases[p], seconds[p][0], seconds[p][1]));
     c.radiosity = radiosity_difference(*first[0], *first[1]);

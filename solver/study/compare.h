@@ -65,9 +65,16 @@ struct Pairing {
     std::uint64_t base = 0, head = 0;
 };
 
+/// How archives were made; a value for each that occurs, with commas between.
+struct Making {
+    std::string what, base, head;  // tables, compiler
+};
+
 struct Comparison {
     std::string scene;
     CompareOptions options;
+    std::vector<Making> made;
+    std::size_t archives = 0, changed = 0;  // of the base; those whose bytes differ in head
     std::vector<PhaseTimes> times;  // total is the last
     RadiosityDifference radiosity;
     std::vector<Pairing> sizes;     // links and their kinds, rays, bytes of links, memory (estimated), archives

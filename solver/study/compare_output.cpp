@@ -39,15 +39,52 @@ double change_percent(const Pairing& p) {
     return p.base > 0 ? 100 * (double(p.head) / double(p.base) - 1) : 0;
 }
 
-std::string radiosity_sentence(const RadiosityDifference& r) {
-    std::string text = line("Reflected radiosity differs by %.3g (relative, root mean square by area)", r.relative_rms);
+double change_of(const Comparison& c, const std::string& what) {
+    for (const Pairing& p : c.sizes)
+        if (p.what == what) return change_percent(p);
+    return 0;
+}
+
+std::string percent(double share) {
+    return line("%.3g %%", 100 * share);
+}
+
+std::string archives_sentence(const Comparison& c) {
+    std::string text = line("%zu of %zu archives changed", c.changed, c.archives);
+    for (const Making& m : c.made)
+        if (m.base != m.head) text += "; " + m.what + ": " + m.base + " -> " + m.head;
+    return text + line("; %+.1f %% bytes.", change_of(c, "bytes of archives"));
+}
+
+std::string time_sentence(const Comparison& c) {
+    const PhaseTimes& t = c.times.back();
+    if (t.verdict == Verdict::Same)
+        return line("no difference beyond the noise: head takes %.3f of base's time, single runs %.3f to %.3f.", t.ratio, t.low, t.high);
+    return line("head is %s: it takes %.3f of base's time, single runs %.3f to %.3f; %+.1f %% links.", name_of(t.verdict), t.ratio,
+                t.low, t.high, change_of(c, "links"));
+}
+
+/// The difference of the results, and what the solves' own errors make of it: two solves that err independently differ by the
+/// root of the sum of their squares.
+std::string light_sentence(const Comparison& c) {
+    const double difference = c.radiosity.relative_rms;
+    if (difference == 0) return "the same, bit for bit.";
+    const double expected = std::hypot(c.base_error, c.head_error);
+    return "differs by " + percent(difference) + (difference <= expected ? ", no more than the " : ", MORE than the ") +
+           percent(expected) + " that the solves' own errors allow (estimated: " + percent(c.base_error) + " and " +
+           percent(c.head_error) + ").";
+}
+
+std::string where_sentence(const RadiosityDifference& r) {
+    std::string text;
     if (r.largest > 0) {
-        text += line("; most, by %.3g W/m2, at triangle %u of ", r.largest, r.triangle) + r.instance;
+        text += line("Most, by %.3g W/m2, at triangle %u of ", r.largest, r.triangle) + r.instance;
         if (!r.worst_instance.empty())
-            text += "; most of all instances: " + r.worst_instance + line(", by %.3g", r.worst_relative_rms);
+            text += "; of whole instances, " + r.worst_instance + " by " + percent(r.worst_relative_rms);
+        text += ". ";
     }
-    if (r.unmatched > 0) text += line("; %llu triangle sides are in one version only", count(r.unmatched));
-    return text + ".";
+    if (r.unmatched > 0) text += line("%llu triangle sides are in one version only. ", count(r.unmatched));
+    return text;
 }
 
 /// What the thresholds say, or nothing where none was given.
@@ -57,7 +94,7 @@ std::vector<std::string> gates(const Comparison& c) {
         lines.push_back(line("%s: total time, at most %.4g times the base's, found %.4g", c.too_slow ? "FAILED" : "passed",
                              *c.options.fail_if_slower, c.times.back().ratio));
     if (c.options.fail_if_differs)
-        lines.push_back(line("%s: difference of radiosity, at most %.4g, found %.4g",
+        lines.push_back(line("%s: difference of radiosity, at most %.3g, found %.3g",
                              c.too_different ? "FAILED" : "passed", *c.options.fail_if_differs, c.radiosity.relative_rms));
     return lines;
 }
@@ -67,22 +104,22 @@ std::vector<std::string> gates(const Comparison& c) {
 std::string comparison_text(const Comparison& c) {
     std::string text = c.scene + ": base " + c.options.base.string() + ", head " + c.options.head.string() +
                        line(", %d runs each, interleaved\n\n", c.options.runs);
-    text += line("%-11s %10s %10s  %10s %10s  %6s  %-15s %s\n", "seconds", "base", "head", "spread", "spread", "ratio",
-                 "from to", "verdict");
+    text += "Archives   " + archives_sentence(c) + "\nTime       " + time_sentence(c) + "\nRadiosity  " + light_sentence(c) + "\n";
+    if (const std::string where = where_sentence(c.radiosity); !where.empty()) text += "           " + where + "\n";
+    for (const std::string& gate : gates(c)) text += gate + "\n";
+    text += line("\n%-11s %20s %20s %11s  %-15s %s\n", "seconds", "base (spread)", "head (spread)", "head / base", "single runs",
+                 "verdict");
     for (const PhaseTimes& t : c.times)
-        text += line("%-11s %10.4f %10.4f  %10.4f %10.4f  %6.3f  %6.3f %6.3f   %s\n", t.phase.c_str(), t.base, t.head,
-                     t.base_spread, t.head_spread, t.ratio, t.low, t.high, name_of(t.verdict));
+        text += line("%-11s %10.4f (%7.4f) %10.4f (%7.4f) %11.3f  %6.3f - %6.3f %s\n", t.phase.c_str(), t.base, t.base_spread, t.head,
+                     t.head_spread, t.ratio, t.low, t.high, name_of(t.verdict));
     text += line("\n%-28s %14s %14s %9s\n", "", "base", "head", "change");
     for (const Pairing& p : c.sizes)
         text += line("%-28s %14llu %14llu %+8.1f%%\n", p.what.c_str(), count(p.base), count(p.head), change_percent(p));
-    text += line("%-28s %14.3g %14.3g\n\n", "estimated error", c.base_error, c.head_error);
-    text += radiosity_sentence(c.radiosity) + "\n";
-    for (const std::string& gate : gates(c)) text += gate + "\n";
-    return text;
+    return text + line("%-28s %14.3g %14.3g\n", "estimated error", c.base_error, c.head_error);
 }
 
 std::string comparison_json(const Comparison& c) {
-    json times = json::array(), sizes = json::array();
+    json times = json::array(), sizes = json::array(), made = json::object();
     for (const PhaseTimes& t : c.times)
         times.push_back({{"phase", t.phase},
                          {"base", t.base},
@@ -94,12 +131,16 @@ std::string comparison_json(const Comparison& c) {
                          {"ratio_high", number(t.high)},
                          {"verdict", t.verdict == Verdict::Same ? "same" : name_of(t.verdict)}});
     for (const Pairing& p : c.sizes) sizes.push_back({{"what", p.what}, {"base", p.base}, {"head", p.head}});
+    for (const Making& m : c.made) made[m.what] = {{"base", m.base}, {"head", m.head}};
     const RadiosityDifference& r = c.radiosity;
     const json all = {{"format", "rro-comparison/1"},
                       {"scene", c.scene},
                       {"base", c.options.base.string()},
                       {"head", c.options.head.string()},
                       {"runs", c.options.runs},
+                      {"archives", c.archives},
+                      {"archives_changed", c.changed},
+                      {"made", made},
                       {"seconds", times},
                       {"sizes", sizes},
                       {"estimated_error", {{"base", number(c.base_error)}, {"head", number(c.head_error)}}},
@@ -118,13 +159,12 @@ std::string comparison_json(const Comparison& c) {
 }
 
 std::string comparison_markdown(const Comparison& c) {
-    const PhaseTimes& total = c.times.back();
     std::string text = "### `" + c.scene + "`: `" + c.options.base.string() + "` to `" + c.options.head.string() + "`\n\n";
-    text += line("**Total time x %.3f (%s)**, %d runs each, interleaved. ", total.ratio, name_of(total.verdict),
-                 c.options.runs);
-    text += radiosity_sentence(c.radiosity) + "\n\n";
+    text += "- **Archives:** " + archives_sentence(c) + "\n- **Time:** " + time_sentence(c) +
+            line(" %d runs each, interleaved.", c.options.runs) + "\n- **Radiosity:** " + light_sentence(c) + " " +
+            where_sentence(c.radiosity) + "\n";
     for (const std::string& gate : gates(c)) text += "- " + gate + "\n";
-    text += "\n| seconds | base | head | ratio | from - to | verdict |\n|---|---:|---:|---:|---:|---|\n";
+    text += "\n| seconds | base | head | head / base | single runs | verdict |\n|---|---:|---:|---:|---:|---|\n";
     for (const PhaseTimes& t : c.times)
         text += line("| %s | %.4f | %.4f | %.3f | %.3f - %.3f | %s |\n", t.phase.c_str(), t.base, t.head, t.ratio, t.low,
                      t.high, name_of(t.verdict));

@@ -79,17 +79,22 @@ ObjectTables::ObjectTables(const ObjectData& data, const DirectionGrid& grid)
         const Cluster& cluster = data.clusters[data.area_clusters[r]];
         const double* from = &running[cluster.first_patch * d_count];
         const double* to = &running[(cluster.first_patch + cluster.patch_count) * d_count];
-        const auto share = [&](std::span<const std::uint8_t> table, float scale, std::size_t k) {
-            const double plain = to[k] - from[k];
-            if (!(plain > 1e-9 * double(cluster.area))) return 1.0f;
+        const auto set_shares = [&](std::span<const std::uint8_t> table, std::span<const float> scale, std::vector<float>& shares) {
+            if (table.empty()) return;
+            const auto seen = [&](std::size_t k) { return double(table[r * d_count + k]) * double(scale[r]) / 255; };
+            double all_seen = 0, all = 0;
+            for (std::size_t k = 0; k < d_count; ++k) all += to[k] - from[k], all_seen += seen(k);
             // Slightly above 1 where few pixels were counted: cut off there, the mean would come out too low.
-            return static_cast<float>(std::min(kMostShare, double(table[r * d_count + k]) * double(scale) / (255 * plain)));
+            const auto share = [](double part, double whole) { return static_cast<float>(std::min(kMostShare, part / whole)); };
+            // Where the cluster faces away nothing is known; grazing directions lie between these and such as are.
+            const float unknown = all > 0 ? share(all_seen, all) : 1.0f;
+            for (std::size_t k = 0; k < d_count; ++k) {
+                const double plain = to[k] - from[k];
+                shares[r * d_count + k] = plain > 1e-9 * double(cluster.area) ? share(seen(k), plain) : unknown;
+            }
         };
-        for (std::size_t k = 0; k < d_count; ++k) {
-            if (!data.whole_area.empty()) whole_share[r * d_count + k] = share(data.whole_area, data.whole_area_scale[r], k);
-            if (!data.intrinsic_area.empty())
-                intrinsic_share[r * d_count + k] = share(data.intrinsic_area, data.intrinsic_area_scale[r], k);
-        }
+        set_shares(data.whole_area, data.whole_area_scale, whole_share);
+        set_shares(data.intrinsic_area, data.intrinsic_area_scale, intrinsic_share);
     }
 }
 

@@ -18,6 +18,12 @@ float component(const Rgb& rgb, std::size_t c) {
     return c == 0 ? rgb.x : c == 1 ? rgb.y : rgb.z;  // grey scenes carry equal components
 }
 
+/// What a way of d metres leaves per channel.
+std::array<float, 3> tint_of(const Vec3& absorption, double d) {
+    const Vec3 left = Medium{absorption}.transmittance(d);
+    return {static_cast<float>(left.x), static_cast<float>(left.y), static_cast<float>(left.z)};
+}
+
 // One radiosity from the source, one irradiance for all of the receiver.
 bool scalar_half(const Node& receiver, EndMode receiver_mode, const Node& source, EndMode source_mode) {
     return (receiver_mode == EndMode::Mean || receiver.kind == NodeKind::Surface) &&
@@ -38,6 +44,10 @@ LightField<C>::LightField(const Nodes& nodes, const EndAreas& areas)
             const std::uint32_t other = side[f.triangle()];
             others.push_back(other == kNoFace ? kNoNode : nodes.instance(i).first_face + other);
         }
+    }
+    if (const auto& medium = nodes.scene().medium; medium && C > 1) {
+        const Vec3 a = medium->absorption, beyond = a - Vec3{1, 1, 1} * std::min({a.x, a.y, a.z});
+        if (beyond != Vec3{}) tint_ = beyond;
     }
     grow();
 }
@@ -119,14 +129,7 @@ void LightField<C>::add(const std::vector<float>& irradiance, double scale) {
 
 template <int C>
 void LightField<C>::relight() {
-    parallel_for(nodes_.scene().instances.size(), 1, [&](std::size_t k) {
-        const auto i = static_cast<std::uint32_t>(k);
-        for_each_leaf(i, [&](std::uint32_t id) {
-            for (std::size_t c = 0; c < C; ++c) radiosity_[id * C + c] = exitance(id, c) + reflectance(id, c) * irradiance_[id * C + c];
-        });
-        pull_instance(i);
-        if (!other_side_[i].empty()) transmit(i), pull_instance(i);
-    });
+    parallel_for(nodes_.scene().instances.size(), 1, [&](std::size_t k) { reflect_instance(static_cast<std::uint32_t>(k)); });
     pull_groups();
 }
 
@@ -196,12 +199,19 @@ void LightField<C>::set_links(const std::vector<Link>& links) {
     }
     scalar_.resize(scalar_first_.back());
     directed_.resize(directed_first_.back());
+    if (tint_) {
+        scalar_tint_.resize(scalar_.size());
+        directed_tint_.resize(directed_.size());
+    }
     std::vector<std::uint32_t> scalar_next(scalar_first_), directed_next(directed_first_);
     for (const Link& l : links) {
         if (l.base_a == 0 && l.base_b == 0) continue;
         const Vec3 between = nodes_[l.b].centre - nodes_[l.a].centre;
         const double d = length(between);
         const Vec3 w = d > 0 ? between / d : Vec3{0, 1, 0};
+        Tint tint{};
+        if constexpr (C == 3)
+            if (tint_) tint = tint_of(*tint_, d);
         const auto half = [&](std::uint32_t receiver, std::uint32_t source, float base, const Vec3& u,
                               EndMode receiver_mode, EndMode source_mode) {
             const Node &r = nodes_[receiver], &s = nodes_[source];
@@ -210,9 +220,11 @@ void LightField<C>::set_links(const std::vector<Link>& links) {
             if (receiver_mode == EndMode::Mean || r.kind == NodeKind::Surface) gain /= r.area;
             else if (r.kind == NodeKind::Flat) gain /= dot(r.area_vector, arrival(r, u));
             if (scalar_half(r, receiver_mode, s, source_mode)) {
+                if (tint_) scalar_tint_[scalar_next[receiver]] = tint;
                 scalar_[scalar_next[receiver]++] = {source, static_cast<float>(gain)};
                 return;
             }
+            if (tint_) directed_tint_[directed_next[receiver]] = tint;
             DirectedLink& h = directed_[directed_next[receiver]++];
             h = {source, static_cast<float>(gain), to_float(u), {}, static_cast<float>(d > 0 ? 1 / d : 0), source_mode, receiver_mode};
             if (r.kind == NodeKind::Flat) h.slope = to_float(slope(r, s, u, d));
@@ -233,23 +245,33 @@ std::array<float, C> LightField<C>::source_value(const DirectedLink& link) const
 }
 
 template <int C>
+template <bool Tinted>
 void LightField<C>::gather_surfaces() {
+    const auto source_of = [&](std::uint32_t k) {
+        auto value = source_value(directed_[k]);
+        if constexpr (Tinted)
+            for (std::size_t c = 0; c < C; ++c) value[c] *= directed_tint_[k][c];
+        return value;
+    };
     parallel_for(nodes_.size(), kGrain, [&](std::size_t id) {
         const Node& node = nodes_[static_cast<std::uint32_t>(id)];
         std::array<double, C> e{};
         for (std::uint32_t k = scalar_first_[id]; k < scalar_first_[id + 1]; ++k)
             for (std::size_t c = 0; c < C; ++c)
-                e[c] += double(scalar_[k].gain) * double(radiosity_[scalar_[k].source * C + c]);
+                if constexpr (Tinted)
+                    e[c] += double(scalar_[k].gain) * double(scalar_tint_[k][c]) * double(radiosity_[scalar_[k].source * C + c]);
+                else
+                    e[c] += double(scalar_[k].gain) * double(radiosity_[scalar_[k].source * C + c]);
         if (node.kind == NodeKind::Surface) {
             for (std::uint32_t k = directed_first_[id]; k < directed_first_[id + 1]; ++k) {
-                const auto value = source_value(directed_[k]);
+                const auto value = source_of(k);
                 for (std::size_t c = 0; c < C; ++c) e[c] += double(directed_[k].gain) * double(value[c]);
             }
         } else if (node.kind == NodeKind::Flat) {
             std::array<double, 6 * C> v{};
             for (std::uint32_t k = directed_first_[id]; k < directed_first_[id + 1]; ++k) {
                 const DirectedLink& link = directed_[k];
-                const auto value = source_value(link);
+                const auto value = source_of(k);
                 const Vec3 u = arrival(node, to_double(link.u)), s = to_double(link.slope);
                 for (std::size_t c = 0; c < C; ++c) {
                     const double h = double(link.gain) * double(value[c]);
@@ -268,6 +290,7 @@ void LightField<C>::gather_surfaces() {
 }
 
 template <int C>
+template <bool Tinted>
 void LightField<C>::gather_bins() {
     bins_.clear_incoming();
     groups_.clear_incoming();
@@ -278,6 +301,8 @@ void LightField<C>::gather_bins() {
             const DirectedLink& link = directed_[k];
             auto h = source_value(link);
             for (float& x : h) x *= link.gain;
+            if constexpr (Tinted)
+                for (std::size_t c = 0; c < C; ++c) h[c] *= directed_tint_[k][c];
             if (nodes_[id].group()) groups_.splat(id, to_double(link.u), double(link.inverse_distance), h);
             else bins_.splat(id, link.receiver_mode, to_double(link.u), double(link.inverse_distance), h);
         }
@@ -395,8 +420,13 @@ template <int C>
 void LightField<C>::transport(Push what) {
     bins_.pull(radiosity_);
     groups_.pull(bins_, radiosity_);
-    gather_surfaces();
-    gather_bins();
+    if (tint_ && what == Push::Light) {
+        gather_surfaces<true>();
+        gather_bins<true>();
+    } else {
+        gather_surfaces<false>();
+        gather_bins<false>();
+    }
     groups_.push(bins_, vectors_);
     inherited_.assign(nodes_.size() * C, 0.0f);
     bins_.push(inherited_);
@@ -435,6 +465,31 @@ double LightField<C>::close_rows() {
 }
 
 template <int C>
+void LightField<C>::reflect_instance(std::uint32_t i) {
+    for_each_leaf(i, [&](std::uint32_t id) {
+        for (std::size_t c = 0; c < C; ++c)
+            radiosity_[id * C + c] = exitance(id, c) + reflectance(id, c) * irradiance_[id * C + c];
+    });
+    pull_instance(i);
+    if (!other_side_[i].empty()) transmit(i), pull_instance(i);
+}
+
+template <int C>
+void LightField<C>::advance(double times) {
+    parallel_for(nodes_.scene().instances.size(), 1, [&](std::size_t k) {
+        const auto i = static_cast<std::uint32_t>(k);
+        for_each_leaf(i, [&](std::uint32_t id) {
+            for (std::size_t c = 0; c < C; ++c) {
+                float& e = irradiance_[id * C + c];
+                e = static_cast<float>(std::max(0.0, double(e) + times * (double(e) - double(before_[id * C + c]))));
+            }
+        });
+        reflect_instance(i);
+    });
+    pull_groups();
+}
+
+template <int C>
 double LightField<C>::sweep() {
     before_ = irradiance_;
     transport();
@@ -452,11 +507,9 @@ double LightField<C>::sweep() {
                 // In reflected light, not in radiosity: beside a strong exitance float would round it away.
                 const double d = double(reflectance(id, c)) * (double(e) - double(before_[id * C + c]));
                 change[i] += nodes_[id].area * d * d;
-                radiosity_[id * C + c] = exitance(id, c) + reflectance(id, c) * e;
             }
         });
-        pull_instance(i);
-        if (!other_side_[i].empty()) transmit(i), pull_instance(i);
+        reflect_instance(i);
     });
     pull_groups();
     double sum = 0, total = 0;
@@ -493,10 +546,17 @@ void LightField<C>::fill(Guide& guide) const {
         guide.radiosity[id] = grey(radiosity_, id);
         const Node& n = nodes_[static_cast<std::uint32_t>(id)];
         if (n.kind != NodeKind::Surface) continue;
-        float rho = 0;
-        for (std::size_t c = 0; c < C; ++c)
-            rho += reflectance(static_cast<std::uint32_t>(id), c) + transmittance(static_cast<std::uint32_t>(id), c);
-        guide.reflectance[id] = rho / C;
+        // Channels count by the square of their light, as in the error: a red face in red light reflects most of it.
+        const auto face = static_cast<std::uint32_t>(id);
+        constexpr double kDark = 1e-60;  // where there is none, all alike
+        double sent = 0, light = 0;
+        for (std::size_t c = 0; c < C; ++c) {
+            const double rho = double(reflectance(face, c)) + double(transmittance(face, c));
+            const double square = std::pow(double(irradiance_[id * C + c]), 2) + kDark;
+            sent += rho * rho * square;
+            light += square;
+        }
+        guide.reflectance[id] = static_cast<float>(std::sqrt(sent / light));
         guide.irradiance[id] = grey(irradiance_, id);
     }
     // Upwards: sums over children, which follow their parents.

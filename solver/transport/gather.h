@@ -1,6 +1,7 @@
 // One sweep of light over all links: pull radiosity up, gather over links, push irradiance down to faces and elements.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "solver/transport/direction_bins.h"
@@ -61,6 +62,9 @@ class LightField {
     /// returns  area-weighted root mean square over leaf surfaces and channels of the change of B
     double sweep();
 
+    /// Adds `times` what the last sweep changed in the irradiance; nothing falls below 0.
+    void advance(double times);
+
     /// Area-weighted root mean square of R = B - M over leaf surfaces and channels.
     double reflected_norm() const;
 
@@ -91,11 +95,14 @@ class LightField {
     };
     enum class Push { Light, BoundRows };
     std::array<float, C> source_value(const DirectedLink& link) const;
-    void add_half(const Link& link, bool to_a, std::vector<std::vector<std::uint32_t>>& counts);
+    using Tint = std::array<float, C>;
     void transport(Push what = Push::Light);  // radiosity_ -> irradiance_ of leaves
+    template <bool Tinted>
     void gather_surfaces();
+    template <bool Tinted>
     void gather_bins();
     void push_instance(std::uint32_t i, Push what);
+    void reflect_instance(std::uint32_t i);  // leaves' irradiance -> radiosity of all nodes
     void pull_instance(std::uint32_t i);
     void pull_groups();  // after all instances
     bool leaf(std::uint32_t surface) const { return nodes_[surface].child_count == 0; }
@@ -121,6 +128,8 @@ class LightField {
     std::vector<std::uint32_t> scalar_first_, directed_first_;  // [nodes + 1]
     std::vector<ScalarLink> scalar_;
     std::vector<DirectedLink> directed_;
+    std::optional<Vec3> tint_;  // 1/m: what a medium absorbs per channel beyond the channel of least; none where all are alike
+    std::vector<Tint> scalar_tint_, directed_tint_;  // [links] what it leaves of that; empty without
 };
 
 /// One closed shell that faces inwards and nothing else: light leaves nowhere. (With other objects inside, refinement

@@ -15,7 +15,7 @@ struct Residual {
     double relative = 0;  // ||r|| / ((1 - q) ||R||), q the ratio of the last two sweeps' ||r||
 };
 
-/// Plain sweeps until the remaining error is below `goal` of R.
+/// Sweeps until the remaining error is below `goal` of R.
 template <int C>
 Residual iterate(LightField<C>& field, double goal, double largest_reflectance, int most);
 

@@ -112,7 +112,11 @@ LinkBuilder::LinkBuilder(const Nodes& nodes, const EndAreas& areas, const SceneR
         area += nodes[nodes.root(i)].area;
     }
     smallest_area_ = kSmallestElementShare * area;
-    if (const auto& medium = nodes.scene().medium) medium_ = medium->absorption.x;
+    if (const auto& medium = nodes.scene().medium) {
+        const Vec3& a = medium->absorption;
+        medium_ = std::min({a.x, a.y, a.z});
+        medium_most_ = max_component(a);
+    }
     for (const Group& group : nodes.groups().groups) {
         std::uint64_t key = 0;  // a sum, so that the order of the members does not matter
         for (std::uint32_t m = group.first; m < group.first + group.count; ++m)
@@ -493,9 +497,11 @@ Verdict LinkBuilder::settle(const Offer& o, const Guide& guide) const {
         if (v.action != Verdict::Action::Accept) return v;
     }
     v.action = Verdict::Action::Accept;
-    if (medium_ > 0) {
-        // Absorbed over the distance between the centres; the rest of the ends lies nearer or farther.
-        const double extinct = medium_ * length(nb.centre - na.centre), spread = medium_ * double(na.radius + nb.radius) * kAlong;
+    if (medium_most_ > 0) {
+        // Absorbed over the distance between the centres; the rest of the ends lies nearer or farther. A link carries what all
+        // channels lose; what some lose beyond that is the sweeps' (gather.h).
+        const double extinct = medium_ * length(nb.centre - na.centre);
+        const double spread = medium_most_ * double(na.radius + nb.radius) * kAlong;
         t.mean *= std::exp(-extinct);
         const double uneven = o.exchange * t.mean * std::min(1.0, spread);
         if (!o.negligible && o.a != o.b && harm_of(guide, o, uneven * kWithinMedium, uneven * kWithinMedium) > 1) {

@@ -170,7 +170,7 @@ class LinkBuilder {
     std::vector<std::uint64_t> group_key_;     // from its members' names
     std::vector<double> group_table_error_;    // relative, of the projected area
     double smallest_area_ = 0;                 // of an element, m^2
-    double medium_ = 0;                        // absorption, 1/m; the same in all channels
+    double medium_ = 0, medium_most_ = 0;      // least and largest absorption of the channels, 1/m
 };
 
 }  // namespace rro

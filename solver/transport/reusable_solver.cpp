@@ -353,7 +353,8 @@ class Engine : public ReusableSolver::State {
         if (closed()) field.close_rows();
     }
 
-    bool closed() const { return plan.on("self") && is_closed_shell(*stage_->scene); }
+    // A medium takes from every row.
+    bool closed() const { return plan.on("self") && is_closed_shell(*stage_->scene) && !stage_->scene->medium; }
 
     /// What the first round of settle() finds: nothing; links that were judged without the light of what was placed; links;
     /// links; links that the light field carries already, light of other materials; links and light.

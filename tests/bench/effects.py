@@ -3,8 +3,7 @@
 
     tests/bench/effects.py RRO_SOLVE [RUNS]
 
-Needs samples/library. Times are medians of RUNS (3) interleaved solves; where the reusable method lacks an effect, the
-reference takes 16 paths per face and nothing is predicted. Actual seconds are of links, visibility and iteration, as
+Needs samples/library. Times are medians of RUNS (3) interleaved solves; actual seconds are of links, visibility and iteration, as
 processor seconds divided by threads, so that other work on the machine counts for little."""
 
 import json
@@ -33,7 +32,6 @@ SCENES = [  # name, manifest (None: a single convex box that shines), options
     ("spots", "spots", []),
     ("light groups", "groups", ["--without", "lights"]),
 ]
-REFERENCE = ["--method", "reference", "--samples", "16"]
 
 
 def box_scene(folder):
@@ -50,7 +48,7 @@ def solve(program, manifest, options, report):
     _, status, usage = os.wait4(run.pid, 0)
     run.returncode = os.waitstatus_to_exitcode(status)
     if run.returncode not in (0, 1):  # 1: less accurate than asked
-        return None
+        sys.exit(f"{manifest}: rro-solve ended with {run.returncode}")
     result = json.loads(report.read_text())
     phases = sum(result["seconds"][p] for p in ("links", "visibility", "iterate"))
     result["work"] = (usage.ru_utime + usage.ru_stime) * phases / result["seconds"]["total"]
@@ -68,9 +66,7 @@ def main(program, runs):
             rows.append({"scene": scene, "path": path, "options": options, "told": told, "reports": []})
         for _ in range(runs):
             for row in rows:
-                report = solve(program, row["path"], row["options"], folder / "report.json")
-                row["method"] = "reusable" if report else "reference"
-                row["reports"].append(report or solve(program, row["path"], row["options"] + REFERENCE, folder / "report.json"))
+                row["reports"].append(solve(program, row["path"], row["options"], folder / "report.json"))
     print("| scene | asked | channels | effects on | links: predicted, actual | rays: predicted, actual | seconds: predicted, actual "
           "| ratio | seconds per effect |")
     print("|---|---:|---:|---|---|---|---|---:|---|")
@@ -79,9 +75,6 @@ def main(program, runs):
         first, predicted = reports[0], told["predicted"]
         seconds = statistics.median(r["work"] for r in reports) / told["threads"]
         on = ", ".join(e["name"] for e in first["effects"] if e["on"])
-        if row["method"] == "reference":
-            print(f"| {row['scene']} | paths | {told['channels']} | {on} | reference | , {first['rays']:,} | , {seconds:.2f} | | |")
-            continue
         parts = ", ".join(f"{e['name']} {statistics.median(r['effects'][i]['seconds'] for r in reports):.2g}"
                           for i, e in enumerate(first["effects"]) if e["seconds"] > 0)
         ratio = f"{predicted['seconds'] / seconds:.2f}" if seconds > 1e-2 else ""

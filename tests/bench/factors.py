@@ -5,7 +5,10 @@
 
 Cases: cube3456 (a unit cube of 3,456 faces, a group each), obstructed696 (600 faces of a cube and 96 of a box in it, a
 group each), far26m (two spheres of 5,120 triangles side by side: 26 million pairs of triangles, nothing between),
-obstructed60k (three spheres of 20,480 triangles, the middle one hides part of the others). One thread.
+obstructed60k (three spheres of 20,480 triangles, the middle one hides part of the others), hall (128 tiles of floor and
+ceiling and 25 boxes between them), hall_moved (one of the boxes moved, what has not changed taken from the case before).
+Only if named: cube10000 (faces of a cube, a group each, nothing between), obstructed10000 (9,600 faces of a cube and 384 of
+four boxes in it); both write factors of 1e-5 and more. One thread.
 """
 import csv, json, math, os, re, resource, subprocess, sys
 
@@ -65,6 +68,24 @@ def box_faces(lo, size, n, inward, name):
     return out
 
 
+def hall(moved):
+    """Tiles of floor and ceiling of a hall of 8 m, and boxes in between, one of which may have been moved."""
+    def tile(name, x, y, z, u, v):
+        w = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
+        rows = [[u[k], v[k], w[k], (x, y, z)[k]] for k in range(3)]
+        return {"name": name, "archive": "square.rro", "transform": {"matrix": sum(rows, []) + [0, 0, 0, 1]}}
+    out = []
+    for i in range(8):
+        for j in range(8):
+            out.append(tile("floor%d.%d" % (i, j), i, 0, j, (0, 0, 1), (1, 0, 0)))
+            out.append(tile("ceiling%d.%d" % (i, j), i, 3, j, (1, 0, 0), (0, 0, 1)))
+    for i in range(5):
+        for j in range(5):
+            x = 1.5 * i + (.4 if moved and (i, j) == (2, 3) else 0)
+            out.append({"name": "box%d.%d" % (i, j), "archive": "box.rro", "transform": {"translate": [x + .8, .7, 1.5 * j + .8], "scale": .5}})
+    return out
+
+
 def ball(name, level, **transform):
     return {"name": name, "archive": "sphere%d.rro" % level, "transform": transform}
 
@@ -73,18 +94,28 @@ CASES = {
     "cube3456": lambda: box_faces(0, 1, 24, True, "wall"),
     "obstructed696": lambda: box_faces(0, 1, 10, True, "wall") + box_faces(.35, .3, 4, False, "box"),
     "far26m": lambda: [ball("a", 4), ball("b", 4, translate=[4, 0, 0])],
+    "hall": lambda: hall(False),
+    "hall_moved": lambda: hall(True),
     "obstructed60k": lambda: [ball("a", 5), ball("b", 5, translate=[4, 0, 0]), ball("between", 5, translate=[2, .3, 0], scale=.4)],
 }
+LARGE = {
+    "cube10000": lambda: box_faces(0, 1, 41, True, "wall")[:10000],
+    "obstructed10000": lambda: box_faces(0, 1, 40, True, "wall") + sum((box_faces(at, .15, 4, False, "box%g" % at) for at in (.1, .35, .6, .8)), []),
+}
+OPTIONS = {"hall_moved": ["--reuse", path("hall.json.out.json")]} | {case: ["--threshold", "1e-5"] for case in LARGE}
 
 write_obj("square", [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], [(0, 1, 2, 3)])
+write_obj("box", [(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)],
+          [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)])
 for level in (4, 5):
     write_obj("sphere%d" % level, *sphere(level))
 for case in sys.argv[4:] or CASES:
     with open(path(case + ".json"), "w") as f:
-        json.dump({"format": "rro-scene/1", "instances": CASES[case]()}, f)
+        json.dump({"format": "rro-scene/1", "instances": (CASES | LARGE)[case]()}, f)
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    text = subprocess.run([solve, "factors", path(case + ".json"), "--out", path(case + ".csv"), "--report", path(case + ".report.json"),
-                           "--threads", "1"], check=True, capture_output=True, text=True).stdout
+    out = path(case + (".json.out.json" if case == "hall" else ".csv"))
+    text = subprocess.run([solve, "factors", path(case + ".json"), "--out", out, "--report", path(case + ".report.json"),
+                           "--threads", "1"] + OPTIONS.get(case, []), check=True, capture_output=True, text=True).stdout
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     report = json.load(open(path(case + ".report.json")))
     print("%s: %.1f s user, %.0f MB; closure %.2g, reciprocity %.2g of the smaller area; pairs %s, rays %d" % (

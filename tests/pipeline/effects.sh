@@ -65,6 +65,9 @@ sed 's/}$/, "medium": { "absorption": [0.1, 0.1, 0] } }/' sky.json > fog.json
 "$solve" run fog.json "${reference[@]}"
 close out.csv 3 0
 close out.csv 5 0.942478
+"$solve" run fog.json "${reusable[@]}"
+close out.csv 3 0
+close out.csv 5 0.942478
 
 # Explained: every effect, with a reason; work is predicted for those that are on.
 "$solve" explain sky.json --json > plan.json
@@ -86,7 +89,6 @@ close out.csv 3 0
 # What cannot be.
 ends "an effect that the method lacks" 2 "sky: --method hierarchical does not support it" "$solve" run sky.json --method hierarchical
 ends "a transport that lacks it" 2 "sky: --transport plain does not support it" "$solve" run sky.json --transport plain
-ends "a medium of its own colour" 2 "medium: --method reusable does not support one" "$solve" run fog.json
 scene room '"transmittance": [0.1, 0.1, 0.1]' '' > bad.json
 ends "transmittance of one side" 3 'bad.json: /instances/0/materials: material "default" of room.rro has a transmittance' "$solve" run bad.json
 scene plate '"reflectance": [0.6, 0.5, 0.5], "transmittance": [0.4, 0, 0]' '' > bad.json

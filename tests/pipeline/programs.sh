@@ -143,6 +143,9 @@ grep -q '"largest_defect"' factors.report.json || fail "factors: no closure in t
 "$solve" factors factors.json --out sparse.csv --threshold 0.001 --quiet
 [ "$(wc -l < sparse.csv)" -eq 3 ] || fail "factors: --threshold must leave two pairs"
 "$solve" factors factors.json --out factors.out.json --by material --quiet
+"$solve" factors factors.json --out again.json --by material --reuse factors.out.json --quiet
+cmp -s factors.out.json again.json || fail "factors --reuse of a scene that has not changed must give the same file"
+refused "factors of other options" 'factors.out.json: .*other options' "$solve" factors factors.json --out again.json --reuse factors.out.json
 grep -q '"name":"lid, above/paint"' factors.out.json || fail "factors: --by material names instance/material"
 "$source/samples/grey_body.py" factors.csv box=300 "lid, above=300" > heat.txt || fail "grey_body.py"
 status=0

@@ -62,18 +62,6 @@ TEST_CASE("a scene without light is exactly 0 at once, and says so", "[solve_sce
     }
 }
 
-TEST_CASE("a medium of its own colour is wrong usage for the reusable method", "[solve_scene]") {
-    SceneFiles files;
-    const Scene scene = files.open(
-        files.instances(kBox, R"(, "sky": {"radiance": [1, 1, 1]}, "medium": {"absorption": [0.1, 0, 0]})"));
-    const auto refused = solve_scene(scene, {});
-    REQUIRE_FALSE(refused);
-    CHECK(refused.error().kind == ErrorKind::Usage);
-    CHECK_THAT(refused.error().message, Contains("medium: --method reusable does not support"));
-    const SolveOptions reference{.method = Method::Reference, .accuracy = {}, .samples = 4, .overrides = {}};
-    CHECK(solved(scene, reference).energy.emitted.x > 0);
-}
-
 TEST_CASE("options that the method does not know are wrong usage", "[solve_scene]") {
     SceneFiles files;
     const Scene scene = files.open(files.instances(kBox));

@@ -137,6 +137,25 @@ TEST_CASE("compare: runs alternate, the first of each is not timed, and threshol
     CHECK(json["passed"] == false);
     CHECK(json["seconds"].back()["ratio"] == 1.5);
     CHECK(json["radiosity"]["relative_rms"].get<double>() == Approx(0.1).epsilon(1e-5));
+    CHECK(json["archives_changed"] == 0);
+    CHECK(json["made"]["tables"]["head"] == "2 x 2 octahedral");
+    CHECK_THAT(comparison_text(failing), Contains("0 of 1 archives changed") && Contains("head is slower: it takes 1.500"));
     CHECK_THAT(comparison_text(failing), Contains("slower") && Contains("FAILED: total time") && Contains("passed: difference"));
     CHECK_THAT(comparison_markdown(failing), Contains("| total | 1.0000 | 1.5000 | 1.500 |") && Contains("| links | 7 | 7 | +0.0 % |"));
+}
+
+TEST_CASE("compare: a difference is held against what two solves may err by", "[compare]") {
+    Comparison c;
+    c.times.push_back(phase_times("total", {1, 1}, {1, 1}));
+    c.base_error = 0.03, c.head_error = 0.04;  // independent: 0.05 together
+    c.radiosity.relative_rms = 0.049;
+    CHECK_THAT(comparison_text(c), Contains("differs by 4.9 %, no more than the 5 %"));
+    c.radiosity.relative_rms = 0.051;
+    CHECK_THAT(comparison_text(c), Contains("differs by 5.1 %, MORE than the 5 %"));
+    c.radiosity.relative_rms = 0;
+    CHECK_THAT(comparison_text(c), Contains("the same, bit for bit"));
+    c.archives = 3, c.changed = 2;
+    c.made = {{"tables", "6 x 6 octahedral", "12 x 12 octahedral"}, {"compiler", "1", "1"}};
+    CHECK_THAT(comparison_markdown(c), Contains("2 of 3 archives changed; tables: 6 x 6 octahedral -> 12 x 12 octahedral;") &&
+                                           !Contains("compiler"));
 }

@@ -24,6 +24,15 @@ struct Placed {
     std::string name = {};  // "0", "1", ... by position in the list where empty
 };
 
+/// Small tables, for tests of laws that hold at any resolution.
+inline CompileOptions coarse_tables() {
+    CompileOptions options;
+    options.image_resolution = 64;
+    options.tables.hit = false;
+    options.tables.atlas = false;
+    return options;
+}
+
 /// The mesh as an archive, opened, with its ray structure and lookups.
 inline std::unique_ptr<Object> compile_to_object(const Mesh& mesh, const CompileOptions& options = {}) {
     auto compiled = compile_object(mesh, options);

@@ -122,4 +122,19 @@ inline SceneError compare(const Scene& scene, const Solution& x, const Solution&
     return out;
 }
 
+/// Number of a source triangle's side.
+inline std::size_t side_number(const ObjectData& data, std::size_t f) {
+    return 2 * std::size_t(data.source_triangle[data.faces[f].triangle()]) +
+           static_cast<std::size_t>(data.faces[f].side());
+}
+
+/// The same solution with the faces of another archive of the same triangles.
+inline InstanceSolution renumbered(const ObjectData& from, const InstanceSolution& s, const ObjectData& to) {
+    std::vector<std::size_t> face_of(2 * from.meta.source_triangles);
+    for (std::size_t f = 0; f < from.faces.size(); ++f) face_of[side_number(from, f)] = f;
+    InstanceSolution out;
+    for (std::size_t f = 0; f < to.faces.size(); ++f) out.radiosity.push_back(s.radiosity[face_of[side_number(to, f)]]);
+    return out;
+}
+
 }  // namespace rro::test

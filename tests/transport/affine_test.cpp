@@ -9,15 +9,6 @@
 namespace rro::test {
 namespace {
 
-/// Small tables: a hundred archives are compiled here, and the law holds at any resolution.
-CompileOptions coarse() {
-    CompileOptions options;
-    options.image_resolution = 64;
-    options.tables.hit = false;
-    options.tables.atlas = false;
-    return options;
-}
-
 class RandomMaps {
   public:
     /// strength  1: edges up to 3 times as long or as short, sheared by up to 1; 0: shapes are kept
@@ -58,21 +49,6 @@ std::string described(const Affine3& map) {
            (map.linear.determinant() < 0 ? ", mirrored" : "");
 }
 
-/// Number of a source triangle's side.
-std::size_t side_number(const ObjectData& data, std::size_t f) {
-    return 2 * std::size_t(data.source_triangle[data.faces[f].triangle()]) +
-           static_cast<std::size_t>(data.faces[f].side());
-}
-
-/// The same solution with the faces of another archive of the same triangles.
-InstanceSolution renumbered(const ObjectData& from, const InstanceSolution& s, const ObjectData& to) {
-    std::vector<std::size_t> face_of(2 * from.meta.source_triangles);
-    for (std::size_t f = 0; f < from.faces.size(); ++f) face_of[side_number(from, f)] = f;
-    InstanceSolution out;
-    for (std::size_t f = 0; f < to.faces.size(); ++f) out.radiosity.push_back(s.radiosity[face_of[side_number(to, f)]]);
-    return out;
-}
-
 void check_under_maps(const std::string& what, const Mesh& mesh, double strength, int maps) {
     constexpr double kAccuracy = 0.1;
     const Mesh floor = translated(make_quad(4, 4, false, 2), {0, -1.3, 0});
@@ -80,7 +56,7 @@ void check_under_maps(const std::string& what, const Mesh& mesh, double strength
     const Vec3 grey{0.6, 0.6, 0.6}, light{5, 5, 5};
     Scene placed;  // its archives stay, its instances move
     placed.manifest.path = "in memory";
-    for (const Mesh* m : {&mesh, &floor, &panel}) placed.objects.push_back(compile_to_object(*m, coarse()));
+    for (const Mesh* m : {&mesh, &floor, &panel}) placed.objects.push_back(compile_to_object(*m, coarse_tables()));
     RandomMaps random(strength);
     int apart = 0;
     double furthest = 0;
@@ -96,7 +72,7 @@ void check_under_maps(const std::string& what, const Mesh& mesh, double strength
         const Scene baked = make_scene({{transformed(mesh, map), {}, grey, {}, "object"},
                                         {transformed(floor, map), {}, grey, {}, "floor"},
                                         {transformed(panel, map), {}, {}, light, "panel"}},
-                                       coarse());
+                                       coarse_tables());
         const Solution a = solve_reusably(placed, kAccuracy), b = solve_reusably(baked, kAccuracy);
         Solution same;
         for (std::size_t i = 0; i < 3; ++i)

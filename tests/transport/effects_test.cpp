@@ -3,6 +3,7 @@
 
 #include <numbers>
 
+#include "solver/effects/shape.h"
 #include "tests/support/shapes.h"
 #include "tests/support/solutions.h"
 
@@ -121,10 +122,41 @@ TEST_CASE("Beer-Lambert between two plates", "[transport][effects]") {
     Scene scene = make_scene({{make_quad(1, 1), {}, all(0.5), {}, "floor"}, {make_quad(1, 1), turned, {}, all(1), "lamp"}});
     scene.medium = Medium{all(absorption)};
     CHECK(irradiance(scene, solve_reusably(scene, 0.01), 0).mean == Approx(expected).epsilon(0.02));
+    scene.medium = Medium{{absorption, 0, 3 * absorption}};  // each channel by itself
+    const Solution coloured = solve_reusably(scene, 0.01);
+    for (int c = 0; c < 3; ++c) {
+        Scene grey = make_scene({{make_quad(1, 1), {}, all(0.5), {}, "floor"}, {make_quad(1, 1), turned, {}, all(1), "lamp"}});
+        if (scene.medium->absorption[c] > 0) grey.medium = Medium{all(scene.medium->absorption[c])};
+        const Solution alone = solve_reusably(grey, 0.01);
+        double sum = 0, single = 0;
+        for (std::size_t f = 0; f < alone.instances[0].irradiance.size(); ++f) {
+            sum += to_double(coloured.instances[0].irradiance[f])[c];
+            single += to_double(alone.instances[0].irradiance[f])[c];
+        }
+        CHECK(sum == Approx(single).epsilon(0.04));  // the error asked for is one of all channels: the darkest has a seventh
+    }
+    scene.medium = Medium{all(absorption)};
     scene.instances.pop_back();
     scene.manifest.instances.pop_back();
     scene.lights = {lamp({0, 20, 0}, 400)};
     CHECK(irradiance(scene, solve_reusably(scene, 0.01), 0).mean == Approx(std::exp(-16)).epsilon(0.01));
+}
+
+// Five walls of a unit cube, seen from inside: the hole is a fifth of them.
+TEST_CASE("how open a room is, and what is curved, is told from its fronts", "[effects][shape]") {
+    const auto data_of = [](const Mesh& mesh) { return compile_to_object(mesh)->data(); };
+    Mesh room = empty_mesh(false);
+    const Vec3 x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
+    add_parallelogram(room, {}, y, z, 2, false);
+    add_parallelogram(room, x, z, y, 2, false);
+    add_parallelogram(room, {}, z, x, 2, false);
+    add_parallelogram(room, {}, x, y, 2, false);
+    add_parallelogram(room, z, y, x, 2, false);
+    CHECK(openness(data_of(room)) == Approx(0.2).epsilon(1e-6));
+    CHECK(openness(data_of(turned_inside_out(make_box(3, 2, 4)))) == Approx(0).margin(1e-6));
+    CHECK(openness(data_of(make_box(3, 2, 4))) == 1);
+    CHECK(is_curved(data_of(make_sphere(2, 1))));
+    CHECK_FALSE(is_curved(data_of(make_box(3, 2, 4, 4))));
 }
 
 TEST_CASE("a closed room gets exactly nothing of sky and sun", "[transport][effects]") {
@@ -144,13 +176,13 @@ TEST_CASE("sky, sun, lamps and a sheet together agree with the reference", "[tra
     scene.sky = Sky::cie_overcast({1, 2, 3}, true);
     scene.sun = Sun{normalised({0.3, -1, 0.2}), {10, 9, 8}, 0.02};
     scene.lights = {lamp({-0.5, 0.5, 0.2}, 2)};
-    for (const double absorption : {0.0, 0.1}) {
-        if (absorption > 0) scene.medium = Medium{all(absorption)};
+    for (const Vec3& absorption : {Vec3{}, all(0.1), Vec3{0.1, 0, 0.4}}) {
+        if (absorption != Vec3{}) scene.medium = Medium{absorption};
         const Solution truth = solve_by_paths(scene, 1024);
         for (const double accuracy : {0.1, 0.03}) {
             const Solution s = solve_reusably(scene, accuracy);
             const SceneError e = compare(scene, s, truth);
-            INFO("absorption " << absorption << ", asked " << accuracy << ", estimate " << s.estimated_error << ", error "
+            INFO("absorption " << absorption.x << " " << absorption.z << ", asked " << accuracy << ", estimate " << s.estimated_error << ", error "
                                << e.all.error() << ", reference " << e.all.truth_error() << ", worst " << e.worst_name);
             CHECK(s.converged);
             CHECK(e.all.error() <= 1.5 * accuracy);
