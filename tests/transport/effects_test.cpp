@@ -144,7 +144,7 @@ TEST_CASE("Beer-Lambert between two plates", "[transport][effects]") {
 
 // Five walls of a unit cube, seen from inside: the hole is a fifth of them.
 TEST_CASE("how open a room is, and what is curved, is told from its fronts", "[effects][shape]") {
-    const auto data_of = [](const Mesh& mesh) { return compile_to_object(mesh)->data(); };
+    const auto object_of = [](const Mesh& mesh) { return compile_to_object(mesh); };
     Mesh room = empty_mesh(false);
     const Vec3 x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
     add_parallelogram(room, {}, y, z, 2, false);
@@ -152,11 +152,11 @@ TEST_CASE("how open a room is, and what is curved, is told from its fronts", "[e
     add_parallelogram(room, {}, z, x, 2, false);
     add_parallelogram(room, {}, x, y, 2, false);
     add_parallelogram(room, z, y, x, 2, false);
-    CHECK(openness(data_of(room)) == Approx(0.2).epsilon(1e-6));
-    CHECK(openness(data_of(turned_inside_out(make_box(3, 2, 4)))) == Approx(0).margin(1e-6));
-    CHECK(openness(data_of(make_box(3, 2, 4))) == 1);
-    CHECK(is_curved(data_of(make_sphere(2, 1))));
-    CHECK_FALSE(is_curved(data_of(make_box(3, 2, 4, 4))));
+    CHECK(openness(object_of(room)->data()) == Approx(0.2).epsilon(1e-6));
+    CHECK(openness(object_of(turned_inside_out(make_box(3, 2, 4)))->data()) == Approx(0).margin(1e-6));
+    CHECK(openness(object_of(make_box(3, 2, 4))->data()) == 1);
+    CHECK(is_curved(object_of(make_sphere(2, 1))->data()));
+    CHECK_FALSE(is_curved(object_of(make_box(3, 2, 4, 4))->data()));
 }
 
 TEST_CASE("a closed room gets exactly nothing of sky and sun", "[transport][effects]") {
