@@ -126,15 +126,10 @@ TEST_CASE("edits there and back", "[stability][scale]") {
         REQUIRE(reply["ok"] == true);
         check_sound("scale", session->scene(), *session->solution());
     };
-    const auto light = [&] {
-        std::vector<Rgb> out;
-        for (const InstanceSolution& s : session->solution()->instances) out.insert(out.end(), s.radiosity.begin(), s.radiosity.end());
-        return out;
-    };
-    const auto before = light();
+    const Solution before = *session->solution();
     std::mt19937 bits(9);
     const auto number = [&] { return double(bits()) / 4294967296.0 * 6 - 3; };
-    double different = 0;
+    double furthest = 0;
     for (int round = 0; round < 20; ++round) {
         ask({{"op", "move"}, {"name", "low"}, {"transform", {{"translate", {number(), number(), number()}}, {"scale", std::exp(number())}}}});
         if (round % 2 == 0)
@@ -144,9 +139,11 @@ TEST_CASE("edits there and back", "[stability][scale]") {
         if (round % 2 == 1) ask({{"op", "delete"}, {"name", "more"}});
         ask({{"op", "move"}, {"name", "low"}, {"transform", home}});
         ask({{"op", "move"}, {"name", "lamp"}, {"transform", lamp_home}});
-        different += light() != before;
+        furthest = std::max(furthest, compare(session->scene(), *session->solution(), before).all.error());
     }
-    record("scale", "objects moved, placed, deleted and put back, 20 times", "the same bits; rounds that differ", 0, different);
+    // Which links are as fine as the light on the way called for differs; A6 allows a tenth, small scenes half as much again.
+    record("scale", "objects moved, placed, deleted and put back, 20 times", "the same light; difference over the accuracy asked", 0.15,
+           furthest / options.solve.accuracy.value());
 }
 
 }  // namespace rro::test
