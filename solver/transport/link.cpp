@@ -12,7 +12,7 @@ namespace rro {
 namespace {
 
 constexpr int kDeepestElement = 7;              // levels of quadtree below a face
-constexpr double kSmallestElementShare = 1e-6;  // of the scene's area
+constexpr double kSmallestElementShare = 1e-6;  // of its instance's area: a lamp in a hall is small, and what counts
 
 // What one link may be wrong by, relative to its light; r the radius of an end, d the distance.
 // A flat or planar end as a point: second order.
@@ -54,8 +54,6 @@ constexpr double kNegligible = 0.25, kNegligibleNear = 0.01;
 constexpr double kAlong = 0.35, kWithinMedium = 0.5;
 // Tables that do this part of a link's harm are good enough; where they are not, rays find what they would have told.
 constexpr double kAffordable = 0.5;
-// What rays may leave undecided, as a part of a link's harm.
-constexpr double kNoiseShare = 0.5;
 // What a table calls hidden may be seen through a gap between its directions.
 constexpr double kMissedGap = 0.1;
 // Light within a node is left out, not approximated, so it must be this much less harmful.
@@ -103,15 +101,15 @@ double harm(const Guide& guide, const Nodes& nodes, std::uint32_t to, std::uint3
     return area > 0 ? harm_to_part(guide, nodes, to, area, double(guide.radiosity[from]) * exchange / area) : 0.0;
 }
 
+double noise_harm(const Guide& guide, const Nodes& nodes, std::uint32_t to, std::uint32_t from, double noise) {
+    const double e = double(guide.reflectance[to]) * double(guide.radiosity[from]) * noise;
+    return e * e / (std::max(nodes[to].area, 1e-300) * guide.limit(nodes[to].instance));
+}
+
 LinkBuilder::LinkBuilder(const Nodes& nodes, const EndAreas& areas, const SceneRays& rays,
                          const TransportOptions& options)
     : nodes_(nodes), areas_(areas), options_(options), visibility_(nodes.scene(), rays, link_method(options.visibility)) {
-    double area = 0;
-    for (std::uint32_t i = 0; i < nodes.scene().instances.size(); ++i) {
-        instance_key_.push_back(hash_text(nodes.scene().instances[i].name));
-        area += nodes[nodes.root(i)].area;
-    }
-    smallest_area_ = kSmallestElementShare * area;
+    for (const Instance& instance : nodes.scene().instances) instance_key_.push_back(hash_text(instance.name));
     if (const auto& medium = nodes.scene().medium) {
         const Vec3& a = medium->absorption;
         medium_ = std::min({a.x, a.y, a.z});
@@ -136,7 +134,8 @@ LinkBuilder::LinkBuilder(const Nodes& nodes, const EndAreas& areas, const SceneR
 }
 
 bool LinkBuilder::divisible(const Node& n) const {
-    return n.kind != NodeKind::Surface || (n.depth < kDeepestElement && n.area > smallest_area_);
+    return n.kind != NodeKind::Surface ||
+           (n.depth < kDeepestElement && n.area > kSmallestElementShare * nodes_[nodes_.root(n.instance)].area);
 }
 
 Verdict LinkBuilder::split(std::uint32_t a, std::uint32_t b, bool prefer_a) const {
@@ -477,17 +476,13 @@ double LinkBuilder::shadow_share(const Node& n) const { return n.kind == NodeKin
 
 Verdict LinkBuilder::settle(const Offer& o, const Guide& guide) const {
     const Node &na = nodes_[o.a], &nb = nodes_[o.b];
-    // Noise of different links is independent: it adds up by its squares alone.
-    const auto loud = [&](std::uint32_t to, std::uint32_t from) {
-        const double rho = double(guide.reflectance[to]), e = double(guide.radiosity[from]) * o.exchange;
-        return rho * rho * e * e / (std::max(nodes_[to].area, 1e-300) * guide.limit(nodes_[to].instance));
-    };
+    const double loud = std::max(noise_harm(guide, nodes_, o.a, o.b, o.exchange), noise_harm(guide, nodes_, o.b, o.a, o.exchange));
     const double shadow_a = o.exchange * shadow_share(na), shadow_b = o.exchange * shadow_share(nb);
     const double edge = o.negligible ? 0.0 : harm_of(guide, o, shadow_a, shadow_b);
     Transmittance t;
     Verdict v;
     const std::uint64_t begun = ticks();
-    if (o.a != o.b) t = transmittance(o, std::max(loud(o.a, o.b), loud(o.b, o.a)) / kNoiseShare, edge);
+    if (o.a != o.b) t = transmittance(o, loud / kNoiseShare, edge);
     v.visibility_ticks = ticks() - begun;
     v.rays = t.rays;
     v.looked = true;

@@ -61,6 +61,13 @@ double harm(const Guide& guide, const Nodes& nodes, std::uint32_t to, std::uint3
 /// The same for an error of irradiance in W/m^2 over a part of `to` of this area.
 double harm_to_part(const Guide& guide, const Nodes& nodes, std::uint32_t to, double area, double error);
 
+/// The same for what a limited number of rays leaves undecided: errors of different links are independent, so each adds
+/// up by its square alone.
+double noise_harm(const Guide& guide, const Nodes& nodes, std::uint32_t to, std::uint32_t from, double noise);
+
+/// What rays may leave undecided, as a part of a link's harm.
+inline constexpr double kNoiseShare = 0.5;
+
 /// How much of a shadow's edge within one face counts: it does not move the face's mean.
 inline constexpr double kShadowWithinFace = 0.12;
 
@@ -169,7 +176,6 @@ class LinkBuilder {
     std::vector<std::uint64_t> instance_key_;  // from the name
     std::vector<std::uint64_t> group_key_;     // from its members' names
     std::vector<double> group_table_error_;    // relative, of the projected area
-    double smallest_area_ = 0;                 // of an element, m^2
     double medium_ = 0, medium_most_ = 0;      // least and largest absorption of the channels, 1/m
 };
 

@@ -79,6 +79,7 @@ class Refiner {
             account(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
             for (std::size_t k = 0; k < count; ++k) take(batch_[k], verdicts_[k]);
         }
+        if (getenv("RRO_STAT")) fprintf(stderr,"  drop %zu accept %zu splitA %zu splitB %zu pending %zu\n",counts[0],counts[1],counts[2],counts[3],counts[4]);
     }
 
   private:
@@ -106,6 +107,7 @@ class Refiner {
             record.looked = v.looked;
             record.fate = v.action == Verdict::Action::Pending ? PairFate::Pending : PairFate::Dropped;
         }
+        ++counts[static_cast<int>(v.action)];
         switch (v.action) {
             case Verdict::Action::Drop: break;
             case Verdict::Action::Pending: set_.pending.push_back(pair); break;
@@ -123,6 +125,7 @@ class Refiner {
         stack_.insert(stack_.end(), below_.begin(), below_.end());
     }
 
+    std::size_t counts[5]={};
     LinkSet& set_;
     Nodes& nodes_;
     Guide& guide_;
@@ -173,7 +176,9 @@ std::vector<Pair> first_pairs(const Nodes& nodes, bool within) {
 
 bool outgrown(const Link& l, const Nodes& nodes, const Guide& guide) {
     return harm(guide, nodes, l.a, l.b, double(l.error_a)) > kOutgrown ||
-           harm(guide, nodes, l.b, l.a, double(l.error_b)) > kOutgrown;
+           harm(guide, nodes, l.b, l.a, double(l.error_b)) > kOutgrown ||
+           std::max(noise_harm(guide, nodes, l.a, l.b, double(l.noise)), noise_harm(guide, nodes, l.b, l.a, double(l.noise))) >
+               kOutgrown * kNoiseShare;
 }
 
 void grow(Guide& guide, const Nodes& nodes) {
