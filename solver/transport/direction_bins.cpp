@@ -402,7 +402,9 @@ void DirectionBins<C>::push_terminal(std::uint32_t i, std::uint32_t t, EndMode m
         }
         // Faces that look nearly one way share one irradiance vector and meet it with their own cosines.
         float lanes[3 * C][kLanes] = {};
-        const Vec3 mean = nodes_[nodes_[in.first_face + patch.first_face].parent].normal();
+        std::uint32_t whole = nodes_[in.first_face + patch.first_face].parent;
+        while (nodes_[whole].part()) whole = nodes_[whole].parent;
+        const Vec3 mean = nodes_[whole].normal();
         for (const std::size_t k : lit) {
             float weight[kLanes];
             weigh(mean, k, weight, false);

@@ -218,7 +218,7 @@ bool LinkBuilder::is_whole(const SelfPair& stored, const Pair& pair) const {
         const auto range = nodes_.patches(n);
         const Cluster& cluster = data.clusters[c];
         if (range[0] != cluster.first_patch || range[1] - range[0] != cluster.patch_count) return false;
-        return n.kind != NodeKind::Surface || (n.depth == 0 && data.patches[range[0]].face_count == 1);
+        return n.depth == 0 && (n.kind != NodeKind::Surface || data.patches[range[0]].face_count == 1);
     };
     return (all_of(na, stored.a) && all_of(nb, stored.b)) || (all_of(na, stored.b) && all_of(nb, stored.a));
 }

@@ -80,8 +80,9 @@ VisibilityMethod link_method(VisibilityMethod asked) { return asked == Visibilit
 std::uint64_t LinkBuilder::sample_key(std::uint32_t id) const {
     const Node& n = nodes_[id];
     if (n.group()) return group_key_[id];
-    if (n.kind != NodeKind::Surface || n.depth == 0)
-        return mix64(instance_key_[n.instance] ^ (std::uint64_t(n.kind) << 40 | n.index));
+    if (n.kind != NodeKind::Surface)
+        return mix64(instance_key_[n.instance] ^ (std::uint64_t(n.kind) << 40 | (id - nodes_.root(n.instance))));
+    if (n.depth == 0) return mix64(instance_key_[n.instance] ^ (std::uint64_t(n.kind) << 40 | n.index));
     std::uint64_t k = mix64(instance_key_[n.instance] ^ nodes_.face_of(n));
     for (const auto& corner : nodes_.element_corners(id))
         k = mix64(k ^ (std::uint64_t(std::bit_cast<std::uint32_t>(corner[0])) << 32 |
