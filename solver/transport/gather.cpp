@@ -590,6 +590,7 @@ void LightField<C>::fill(Guide& guide) const {
     }
     const double norm = reflected_norm();
     guide.reflected = area * norm * norm;
+    guide.area = area;
 }
 
 template <int C>

@@ -54,6 +54,9 @@ constexpr double kNegligible = 0.25, kNegligibleNear = 0.01;
 constexpr double kAlong = 0.35, kWithinMedium = 0.5;
 // Tables that do this part of a link's harm are good enough; where they are not, rays find what they would have told.
 constexpr double kAffordable = 0.5;
+// However little an instance or a group matters to the scene, one link to it is off by no more than this part, squared, of
+// the light that surfaces of its area receive on average: small things in a large room are not dark.
+constexpr double kOwnShare = 0.25;
 // What rays may leave undecided, as a part of a link's harm.
 constexpr double kNoiseShare = 0.5;
 // What a table calls hidden may be seen through a gap between its directions.
@@ -93,9 +96,15 @@ LinkBuilder::Projection LinkBuilder::projection(const Node& n, const Vec3& w, do
     return {n.area * mean, 0.5 * (mean - std::min(plain, mean)) / mean};
 }
 
+double Guide::limit(const Nodes& nodes, std::uint32_t to) const {
+    const std::uint32_t instance = nodes[to].instance;
+    const double own = nodes[to].group() ? nodes[to].area : nodes[nodes.root(instance)].area;
+    return reflected * std::min(instance < share.size() ? share[instance] : scene_share, kOwnShare * own / area);
+}
+
 double harm_to_part(const Guide& guide, const Nodes& nodes, std::uint32_t to, double area, double error) {
     const double rho = double(guide.reflectance[to]), others = kAgreement * kAgreement * double(guide.error[to]);
-    return area * rho * rho * error * (error + others) / guide.limit(nodes[to].instance);
+    return area * rho * rho * error * (error + others) / guide.limit(nodes, to);
 }
 
 double harm(const Guide& guide, const Nodes& nodes, std::uint32_t to, std::uint32_t from, double exchange) {
@@ -480,7 +489,7 @@ Verdict LinkBuilder::settle(const Offer& o, const Guide& guide) const {
     // Noise of different links is independent: it adds up by its squares alone.
     const auto loud = [&](std::uint32_t to, std::uint32_t from) {
         const double rho = double(guide.reflectance[to]), e = double(guide.radiosity[from]) * o.exchange;
-        return rho * rho * e * e / (std::max(nodes_[to].area, 1e-300) * guide.limit(nodes_[to].instance));
+        return rho * rho * e * e / (std::max(nodes_[to].area, 1e-300) * guide.limit(nodes_, to));
     };
     const double shadow_a = o.exchange * shadow_share(na), shadow_b = o.exchange * shadow_share(nb);
     const double edge = o.negligible ? 0.0 : harm_of(guide, o, shadow_a, shadow_b);
