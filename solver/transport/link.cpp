@@ -286,7 +286,7 @@ Verdict LinkBuilder::judge_stored(const Pair& pair, const SelfPair& stored, cons
     o.error_b = a == b ? 0 : std::hypot(g * error_b, known);
     const double bad = harm_of(guide, o, o.error_a, o.error_b);
     if (g == 0 && bad <= kNegligible) return {};
-    if (bad > 1) {
+    if (bad > 1 || areas_.mixed(na) || areas_.mixed(nb)) {
         Verdict v;
         if (stored.step == PairStep::Link && a != b) return judge_by_geometry(a, b, guide, own == 1 ? 1 : kOwnUnknown);
         v.action = stored.step == PairStep::Link ? Verdict::Action::SplitA : stored_split(stored, pair);
@@ -438,6 +438,9 @@ Verdict LinkBuilder::judge_far(std::uint32_t a, std::uint32_t b, const Guide& gu
     }
     g = std::min({g, na.area, nb.area});
     End end_a = end_of(a, b, ra / d, project_a, g, guide), end_b = end_of(b, a, rb / d, project_b, g, guide);
+    // Tables tell patches apart, one share for all of an end does not.
+    const auto leaks = [&](const Node& n, EndMode mode) { return (mode != EndMode::Outside || n.kind != NodeKind::Bins) && areas_.mixed(n); };
+    if (leaks(na, end_a.mode) || leaks(nb, end_b.mode)) return split(a, b, ra >= rb);
     end_a.received = std::hypot(end_a.received, uneven_a);
     end_b.received = std::hypot(end_b.received, uneven_b);
     const double low = by_centres ? std::hypot(end_a.horizon, end_b.horizon) : points_error;

@@ -81,8 +81,8 @@ TEST_CASE("faces of no area, and faces twice", "[stability][geometry]") {
     // Corners in a row, the same corner twice.
     check_in_furnace("a box with faces of no area", {furnace(imported("f 1 9 3\nf 1 1 2\nf 7 7 7\n"), 0.7)});
     // Two sides once more as they are, one turned; and a hole, so that all are two-sided: neither of two would hide the other.
-    check_in_furnace("a box with two sides twice", {furnace(imported("f 4 3 2 1\nf 6 7 8 5\n"), 0.7)});
-    check_in_furnace("a box with two sides twice, one turned", {furnace(imported("f 4 3 2 1\nf 8 7 6 5\n"), 0.7)});
+    check_in_furnace("a box with two sides twice", {furnace(imported("f 4 3 2 1\nf 5 6 7 8\n"), 0.7)});
+    check_in_furnace("a box with two sides twice, one turned", {furnace(imported("f 4 3 2 1\nf 5 8 7 6\n"), 0.7)});
 }
 
 TEST_CASE("T-junctions", "[stability][geometry]") {
@@ -163,9 +163,8 @@ TEST_CASE("closed in closed: no light gets through walls", "[stability][geometry
     };
     const Mesh inside = turned_inside_out(make_box(1.2, 1.2, 1.2));
     dark("a closed room in a lit room", "E = 0 inside", 0, inside, 0);
-    // Outside first, 12 triangles; then the inside. Clusters of both sides of the walls hand light on to all that faces it, which
-    // the accuracy asked allows for.
-    dark("a closed box with walls of 1e-5 in a lit room", "E inside over E outside", 0.3, merged(make_box(1.2 + 2e-5, 1.2 + 2e-5, 1.2 + 2e-5), inside), 12);
+    // Outside first, 12 triangles; then the inside.
+    dark("a closed box with walls of 1e-5 in a lit room", "E = 0 inside", 0, merged(make_box(1.2 + 2e-5, 1.2 + 2e-5, 1.2 + 2e-5), inside), 12);
 }
 
 TEST_CASE("a wall of 1e-5 lit from one side", "[stability][geometry]") {
