@@ -325,18 +325,13 @@ void LightField<C>::share_out(std::uint32_t parent) {
     const Node& n = nodes_[parent];
     const float inherited = irradiance_[parent * C];
     double sum = 0, over = 0, room = 0;
-    std::uint32_t count = 0;
     const auto row = [&](std::uint32_t id) { return irradiance_[id * C] + inherited_[id * C] + inherited; };
-    for (std::uint32_t id = n.first_child; id < n.first_child + n.child_count; ++id) {
-        inherited_scale_[id] = bounded_scale(irradiance_[id * C], inherited);
-        if (inherited_scale_[id] == 1) sum += double(row(id)), ++count;
-    }
-    const double most = count > 0 ? std::max(double(kMostRow), sum / count) : 0.0;
+    for (std::uint32_t id = n.first_child; id < n.first_child + n.child_count; ++id) sum += double(row(id));
+    const double most = std::max(double(kMostRow), sum / n.child_count);
     const auto each = [&](const auto& visit) {
-        for (std::uint32_t id = n.first_child; id < n.first_child + n.child_count; ++id)
-            if (inherited_scale_[id] == 1) visit(id, most - double(row(id)));
+        for (std::uint32_t id = n.first_child; id < n.first_child + n.child_count; ++id) visit(id, most - double(row(id)));
     };
-    each([&](std::uint32_t, double left) { (left > 0 ? room : over) += std::abs(left); });
+    each([&](std::uint32_t, double left) { (left > 0 ? room : over) += left > 0 ? left : std::min(-left, double(inherited)); });
     if (over == 0 || !(inherited > 0)) return;
     each([&](std::uint32_t id, double left) {
         const double more = left > 0 ? over * left / room : std::max(left, -double(inherited));
