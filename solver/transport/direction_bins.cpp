@@ -63,6 +63,19 @@ ObjectTables::ObjectTables(const ObjectData& data, const DirectionGrid& grid)
             visibility[p * stride + k] = static_cast<float>(data.visibility[p * d_count + k]) / 255.0f;
         }
     });
+    mixed.assign(data.clusters.size(), 0);
+    if (data.meta.closed) {
+        std::vector<std::uint32_t> seen(p_count + 1, 0);
+        for (std::size_t p = 0; p < p_count; ++p) {
+            const auto row = data.visibility.subspan(p * d_count, d_count);
+            seen[p + 1] = seen[p] + (std::any_of(row.begin(), row.end(), [](std::uint8_t v) { return v > 0; }) ? 1 : 0);
+        }
+        for (std::size_t c = 0; c < mixed.size(); ++c) {
+            const Cluster& cluster = data.clusters[c];
+            const std::uint32_t count = seen[cluster.first_patch + cluster.patch_count] - seen[cluster.first_patch];
+            mixed[c] = count > 0 && count < cluster.patch_count;
+        }
+    }
     area_row.assign(data.clusters.size(), kNoNode);
     for (std::size_t k = 0; k < data.area_clusters.size(); ++k)
         area_row[data.area_clusters[k]] = static_cast<std::uint32_t>(k);
@@ -112,6 +125,10 @@ EndAreas::EndAreas(const Nodes& nodes, const EndAreas* before) : nodes_(nodes) {
     for (const Instance& instance : scene.instances)
         for (std::size_t o = 0; o < scene.objects.size(); ++o)
             if (scene.objects[o].get() == instance.object) of_instance_.push_back(tables_[o].get());
+}
+
+bool EndAreas::mixed(const Node& node) const {
+    return !node.group() && node.kind != NodeKind::Surface && of_instance_[node.instance]->mixed[node.index] != 0;
 }
 
 bool EndAreas::has_outside(const Node& node) const {

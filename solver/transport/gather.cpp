@@ -12,6 +12,14 @@ namespace {
 
 constexpr std::size_t kGrain = 256;  // receivers per parallel chunk
 
+constexpr float kClose = 0.5f;      // own links below that are no sign of something close; a row beyond 1 is noise
+constexpr float kMostRow = 1.05f;  // rows that are a little above 1 are as many as those a little below
+
+/// What is left of what a surface inherits where its own links bring so much that something hides the rest.
+float bounded_scale(float own, float inherited) {
+    return own > kClose && inherited > 0 && own + inherited > kMostRow ? std::max(0.0f, 1 - own) / inherited : 1.0f;
+}
+
 template <int C>
 float component(const Rgb& rgb, std::size_t c) {
     static_assert(C == 1 || C == 3);
@@ -309,6 +317,28 @@ void LightField<C>::gather_bins() {
     });
 }
 
+// The elements of a surface inherit its row alike, as if it came from everywhere. Yet where an element's own links, and those
+// of its parts (in inherited_), fill more of its sky less is left for the rest: what would make a row greater than 1 goes to
+// those beside it that have room.
+template <int C>
+void LightField<C>::share_out(std::uint32_t parent) {
+    const Node& n = nodes_[parent];
+    const float inherited = irradiance_[parent * C];
+    double sum = 0, over = 0, room = 0;
+    const auto row = [&](std::uint32_t id) { return irradiance_[id * C] + inherited_[id * C] + inherited; };
+    for (std::uint32_t id = n.first_child; id < n.first_child + n.child_count; ++id) sum += double(row(id));
+    const double most = std::max(double(kMostRow), sum / n.child_count);
+    const auto each = [&](const auto& visit) {
+        for (std::uint32_t id = n.first_child; id < n.first_child + n.child_count; ++id) visit(id, most - double(row(id)));
+    };
+    each([&](std::uint32_t, double left) { (left > 0 ? room : over) += left > 0 ? left : std::min(-left, double(inherited)); });
+    if (over == 0 || !(inherited > 0)) return;
+    each([&](std::uint32_t id, double left) {
+        const double more = left > 0 ? over * left / room : std::max(left, -double(inherited));
+        inherited_scale_[id] = static_cast<float>(1 + more / double(inherited));
+    });
+}
+
 // Irradiance of clusters, flat nodes and faces goes down to the leaves; irradiance_ of a face with elements ends as their
 // mean. A flat node's vector meets each face's own cosine, its gradient the place of the face.
 template <int C>
@@ -335,11 +365,7 @@ void LightField<C>::push_instance(std::uint32_t i, Push what) {
     }
     // What a surface inherits, added to what its own links bring.
     const auto add_inherited = [&](std::uint32_t id, const float* from) {
-        constexpr float kClose = 0.5f;  // own links below that are no sign of something close; a row beyond 1 is noise
-        constexpr float kMost = 1.05f;  // rows that are a little above 1 are as many as those a little below
         float* e = &irradiance_[id * C];
-        if (what == Push::BoundRows)
-            inherited_scale_[id] = e[0] > kClose && from[0] > 0 && e[0] + from[0] > kMost ? std::max(0.0f, 1 - e[0]) / from[0] : 1.0f;
         const float scale = inherited_scale_.empty() ? 1.0f : inherited_scale_[id];
         for (std::size_t c = 0; c < C; ++c) e[c] += scale * from[c];
     };
@@ -355,9 +381,18 @@ void LightField<C>::push_instance(std::uint32_t i, Push what) {
         }
         add_slope(inherited_, id);
         for (std::size_t c = 0; c < C; ++c) from[c] = std::max(0.0f, from[c]);
+        if (what == Push::BoundRows) inherited_scale_[id] = bounded_scale(irradiance_[id * C], from[0]);
         add_inherited(id, from);
     }
-    for (const std::uint32_t id : in.elements) add_inherited(id, &irradiance_[nodes_[id].parent * C]);
+    if (what == Push::BoundRows)
+        for (auto it = in.elements.rbegin(); it != in.elements.rend(); ++it)
+            if (nodes_[nodes_[*it].parent].depth > 0)
+                inherited_[nodes_[*it].parent * C] += (irradiance_[*it * C] + inherited_[*it * C]) / 4;
+    for (std::size_t k = 0; k < in.elements.size(); ++k) {
+        const std::uint32_t id = in.elements[k], parent = nodes_[id].parent;
+        if (what == Push::BoundRows && id == nodes_[parent].first_child) share_out(parent);
+        add_inherited(id, &irradiance_[parent * C]);
+    }
 }
 
 // Area-weighted means from leaves to roots.
@@ -590,6 +625,7 @@ void LightField<C>::fill(Guide& guide) const {
     }
     const double norm = reflected_norm();
     guide.reflected = area * norm * norm;
+    guide.area = area;
 }
 
 template <int C>

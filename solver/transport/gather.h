@@ -102,6 +102,7 @@ class LightField {
     template <bool Tinted>
     void gather_bins();
     void push_instance(std::uint32_t i, Push what);
+    void share_out(std::uint32_t parent);  // under unit radiosity: sets the scales of a surface's elements
     void reflect_instance(std::uint32_t i);  // leaves' irradiance -> radiosity of all nodes
     void pull_instance(std::uint32_t i);
     void pull_groups();  // after all instances

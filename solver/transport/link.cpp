@@ -54,6 +54,9 @@ constexpr double kNegligible = 0.25, kNegligibleNear = 0.01;
 constexpr double kAlong = 0.35, kWithinMedium = 0.5;
 // Tables that do this part of a link's harm are good enough; where they are not, rays find what they would have told.
 constexpr double kAffordable = 0.5;
+// However little an instance or a group matters to the scene, one link to it is off by no more than this part, squared, of
+// the light that surfaces of its area receive on average: small things in a large room are not dark.
+constexpr double kOwnShare = 0.25;
 // What a table calls hidden may be seen through a gap between its directions.
 constexpr double kMissedGap = 0.1;
 // Light within a node is left out, not approximated, so it must be this much less harmful.
@@ -91,9 +94,15 @@ LinkBuilder::Projection LinkBuilder::projection(const Node& n, const Vec3& w, do
     return {n.area * mean, 0.5 * (mean - std::min(plain, mean)) / mean};
 }
 
+double Guide::limit(const Nodes& nodes, std::uint32_t to) const {
+    const std::uint32_t instance = nodes[to].instance;
+    const double own = nodes[to].group() ? nodes[to].area : nodes[nodes.root(instance)].area;
+    return reflected * std::min(instance < share.size() ? share[instance] : scene_share, kOwnShare * own / area);
+}
+
 double harm_to_part(const Guide& guide, const Nodes& nodes, std::uint32_t to, double area, double error) {
     const double rho = double(guide.reflectance[to]), others = kAgreement * kAgreement * double(guide.error[to]);
-    return area * rho * rho * error * (error + others) / guide.limit(nodes[to].instance);
+    return area * rho * rho * error * (error + others) / guide.limit(nodes, to);
 }
 
 double harm(const Guide& guide, const Nodes& nodes, std::uint32_t to, std::uint32_t from, double exchange) {
@@ -103,7 +112,7 @@ double harm(const Guide& guide, const Nodes& nodes, std::uint32_t to, std::uint3
 
 double noise_harm(const Guide& guide, const Nodes& nodes, std::uint32_t to, std::uint32_t from, double noise) {
     const double e = double(guide.reflectance[to]) * double(guide.radiosity[from]) * noise;
-    return e * e / (std::max(nodes[to].area, 1e-300) * guide.limit(nodes[to].instance));
+    return e * e / (std::max(nodes[to].area, 1e-300) * guide.limit(nodes, to));
 }
 
 LinkBuilder::LinkBuilder(const Nodes& nodes, const EndAreas& areas, const SceneRays& rays,
@@ -276,7 +285,7 @@ Verdict LinkBuilder::judge_stored(const Pair& pair, const SelfPair& stored, cons
     o.error_b = a == b ? 0 : std::hypot(g * error_b, known);
     const double bad = harm_of(guide, o, o.error_a, o.error_b);
     if (g == 0 && bad <= kNegligible) return {};
-    if (bad > 1) {
+    if (bad > 1 || areas_.mixed(na) || areas_.mixed(nb)) {
         Verdict v;
         if (stored.step == PairStep::Link && a != b) return judge_by_geometry(a, b, guide, own == 1 ? 1 : kOwnUnknown);
         v.action = stored.step == PairStep::Link ? Verdict::Action::SplitA : stored_split(stored, pair);
@@ -428,6 +437,9 @@ Verdict LinkBuilder::judge_far(std::uint32_t a, std::uint32_t b, const Guide& gu
     }
     g = std::min({g, na.area, nb.area});
     End end_a = end_of(a, b, ra / d, project_a, g, guide), end_b = end_of(b, a, rb / d, project_b, g, guide);
+    // Tables tell patches apart, one share for all of an end does not.
+    const auto leaks = [&](const Node& n, EndMode mode) { return (mode != EndMode::Outside || n.kind != NodeKind::Bins) && areas_.mixed(n); };
+    if (leaks(na, end_a.mode) || leaks(nb, end_b.mode)) return split(a, b, ra >= rb);
     end_a.received = std::hypot(end_a.received, uneven_a);
     end_b.received = std::hypot(end_b.received, uneven_b);
     const double low = by_centres ? std::hypot(end_a.horizon, end_b.horizon) : points_error;

@@ -41,14 +41,13 @@ struct Guide {
     std::vector<float> irradiance;   // [nodes] W/m^2, area-weighted mean
     std::vector<float> reflectance;  // [nodes] area-weighted mean
     double reflected = 0;            // sum of A R^2 over the scene, W^2/m^2
+    double area = 0;                 // of the scene, m^2
     std::vector<float> error;        // [nodes] W/m^2, sum of the links' errors of irradiance, agreeing or not
     std::vector<double> share;       // [instances] of `reflected` that one link may add to the squared error
     double scene_share = 0;          // the same for groups of instances
 
-    /// What one link may add to the squared error at a node of this instance (kNoNode: a group).
-    double limit(std::uint32_t instance) const {
-        return reflected * (instance < share.size() ? share[instance] : scene_share);
-    }
+    /// What one link may add to the squared error at a node.
+    double limit(const Nodes& nodes, std::uint32_t to) const;
 };
 
 /// What an error of `exchange` m^2 in the light that `to` receives from `from` adds to the squared error of the scene,

@@ -172,7 +172,7 @@ std::vector<std::uint32_t> OutsideLight::shadow_edges(const Nodes& nodes, const 
         if (partial_[id] <= 0 || n.child_count > 0 || !builder_.divisible(n)) continue;
         const double rho = mean(to_double(scene_.instances[n.instance].reflectance[nodes.patch_of(n)]));
         const double harm = n.area * rho * rho * double(partial_[id]) * kShadowWithinFace * kShadowWithinFace;
-        if (harm > guide.limit(n.instance)) out.push_back(id);
+        if (harm > guide.limit(nodes, id)) out.push_back(id);
     }
     return out;
 }

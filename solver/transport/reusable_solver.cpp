@@ -185,6 +185,7 @@ class Engine : public ReusableSolver::State {
     void find_outside(bool anew, Solution& solution, const Progress& progress) {
         auto& [place, scene, nodes, map, areas, rays, builder, outside, field] = *stage_;
         const auto start = Clock::now();
+        guide_.area = sources_.area;
         entering_ = 0;
         if (!outside.any()) return;
         if (progress) progress("sky, sun and lamps", 0);
