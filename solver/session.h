@@ -1,4 +1,4 @@
-// For programs of your own: a scene that is edited, solved and read, without the command line. samples/edit_scene.cpp shows it.
+// For programs of your own: a scene that is edited, solved and read, without the command line. samples/programs/edit_scene.cpp shows it.
 //
 //   auto session = SceneSession::open("room.json");
 //   session->move("chair", {rotation, {2, 0, 1}});
