@@ -63,7 +63,8 @@ struct ImportedMesh {
     std::vector<std::filesystem::path> files;       // the mesh first; for depfiles
 };
 
-/// Reads one mesh; numbering, materials, units as the contract says. Drops bad triangles and counts them.
+/// Reads one mesh, in metres and y up. Triangles are numbered in the order of the file, those of a polygon one after the other,
+/// before bad ones are dropped and counted.
 ///
 /// errors   BadInput naming the file (and line or index): missing, unreadable, unknown ending, broken, an index out of
 ///          range, no triangle with an area, beyond a limit

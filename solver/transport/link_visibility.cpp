@@ -2,7 +2,6 @@
 // another.
 #include <bit>
 #include <functional>
-#include <tuple>
 
 #include "format/sample_points.h"
 #include "solver/transport/link.h"
@@ -91,7 +90,8 @@ std::uint64_t LinkBuilder::sample_key(std::uint32_t id) const {
 }
 
 Transmittance LinkBuilder::transmittance(const Offer& o, double noise, double edge) const {
-    auto [a, b, mode_a, mode_b] = std::tuple(o.a, o.b, o.mode_a, o.mode_b);
+    std::uint32_t a = o.a, b = o.b;
+    EndMode mode_a = o.mode_a, mode_b = o.mode_b;
     // The pair is sampled the same way whichever end is named first and wherever the instance stands in the manifest.
     std::uint64_t key_a = sample_key(a), key_b = sample_key(b);
     if (key_a > key_b) {

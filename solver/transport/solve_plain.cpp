@@ -1,7 +1,6 @@
 #include "solver/transport/solve_plain.h"
 
 #include <chrono>
-#include <ranges>
 
 #include "format/parallel.h"
 #include "solver/transport/plain_links.h"
@@ -50,14 +49,16 @@ class PlainLight {
     void set_links(const std::vector<PlainLink>& links) {
         first_.assign(nodes_.size() + 1, 0);
         const auto carries = [](const PlainLink& l) { return l.exchange > 0; };
-        for (const PlainLink& l : links | std::views::filter(carries)) ++first_[l.a + 1], ++first_[l.b + 1];
+        for (const PlainLink& l : links)
+            if (carries(l)) ++first_[l.a + 1], ++first_[l.b + 1];
         for (std::size_t n = 0; n < nodes_.size(); ++n) first_[n + 1] += first_[n];
         halves_.resize(first_.back());
         std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
         const auto add = [&](std::uint32_t to, std::uint32_t from, float exchange) {
             halves_[next[to]++] = {from, static_cast<float>(double(exchange) / nodes_[to].area)};
         };
-        for (const PlainLink& l : links | std::views::filter(carries)) {
+        for (const PlainLink& l : links) {
+            if (!carries(l)) continue;
             add(l.a, l.b, l.exchange);
             add(l.b, l.a, l.exchange);
         }

@@ -14,13 +14,6 @@ using namespace rro::test;
 
 namespace {
 
-CompileOptions quick() {
-    CompileOptions options;
-    options.image_resolution = 16;  // factors do not look at the tables
-    options.grid_size = 2;
-    return options;
-}
-
 Factors factors_of(const Scene& scene, FactorOptions options = {}) {
     auto factors = view_factors(scene, options);
     if (!factors) FAIL(factors.error().message);
@@ -28,7 +21,7 @@ Factors factors_of(const Scene& scene, FactorOptions options = {}) {
 }
 
 Factors factors_of(const std::vector<Placed>& placed, FactorOptions options = {}) {
-    return factors_of(make_scene(placed, quick()), options);
+    return factors_of(make_scene(placed, least_tables()), options);
 }
 
 Factor entry(const Factors& f, std::uint32_t from, std::uint32_t to) {
