@@ -4,6 +4,7 @@
 #include <type_traits>
 
 #include "format/parallel.h"
+#include "solver/transport/channels.h"
 #include "solver/transport/flat_light.h"
 
 namespace rro {
@@ -499,6 +500,7 @@ double LightField<C>::sweep() {
         const auto i = static_cast<std::uint32_t>(k);
         for_each_leaf(i, [&](std::uint32_t id) {
             area[i] += nodes_[id].area;
+            std::array<double, C> square;
             for (std::size_t c = 0; c < C; ++c) {
                 float& e = irradiance_[id * C + c];
                 if (!row_scale_.empty()) e *= row_scale_[id];
@@ -506,15 +508,16 @@ double LightField<C>::sweep() {
                 if (e < std::numeric_limits<float>::min()) e = 0;  // denormals are noise, and slow
                 // In reflected light, not in radiosity: beside a strong exitance float would round it away.
                 const double d = double(reflectance(id, c)) * (double(e) - double(before_[id * C + c]));
-                change[i] += nodes_[id].area * d * d;
+                square[c] = d * d;
             }
+            change[i] += nodes_[id].area * mean_of(square);
         });
         reflect_instance(i);
     });
     pull_groups();
     double sum = 0, total = 0;
     for (std::size_t i = 0; i < instances; ++i) sum += change[i], total += area[i];
-    return total > 0 ? std::sqrt(sum / (total * C)) : 0.0;
+    return total > 0 ? std::sqrt(sum / total) : 0.0;
 }
 
 template <int C>
@@ -523,12 +526,11 @@ double LightField<C>::reflected_norm() const {
     for (std::uint32_t i = 0; i < nodes_.scene().instances.size(); ++i)
         for_each_leaf(i, [&](std::uint32_t id) {
             total += nodes_[id].area;
-            for (std::size_t c = 0; c < C; ++c) {
-                const double r = double(reflectance(id, c)) * double(irradiance_[id * C + c]);
-                sum += nodes_[id].area * r * r;
-            }
+            sum += nodes_[id].area * mean_over<C>([&](std::size_t c) {
+                return std::pow(double(reflectance(id, c)) * double(irradiance_[id * C + c]), 2);
+            });
         });
-    return total > 0 ? std::sqrt(sum / (total * C)) : 0.0;
+    return total > 0 ? std::sqrt(sum / total) : 0.0;
 }
 
 template <int C>
@@ -538,9 +540,7 @@ void LightField<C>::fill(Guide& guide) const {
     guide.variation.assign(nodes_.size(), 0);
     guide.reflectance.assign(nodes_.size(), 0);
     const auto grey = [](const std::vector<float>& v, std::size_t id) {
-        double sum = 0;
-        for (std::size_t c = 0; c < C; ++c) sum += double(v[id * C + c]) * double(v[id * C + c]);
-        return static_cast<float>(std::sqrt(sum / C));
+        return static_cast<float>(std::sqrt(mean_over<C>([&](std::size_t c) { return std::pow(double(v[id * C + c]), 2); })));
     };
     for (std::size_t id = 0; id < nodes_.size(); ++id) {
         guide.radiosity[id] = grey(radiosity_, id);
@@ -549,14 +549,13 @@ void LightField<C>::fill(Guide& guide) const {
         // Channels count by the square of their light, as in the error: a red face in red light reflects most of it.
         const auto face = static_cast<std::uint32_t>(id);
         constexpr double kDark = 1e-60;  // where there is none, all alike
-        double sent = 0, light = 0;
+        std::array<double, C> sent, light;
         for (std::size_t c = 0; c < C; ++c) {
             const double rho = double(reflectance(face, c)) + double(transmittance(face, c));
-            const double square = std::pow(double(irradiance_[id * C + c]), 2) + kDark;
-            sent += rho * rho * square;
-            light += square;
+            light[c] = std::pow(double(irradiance_[id * C + c]), 2) + kDark;
+            sent[c] = rho * rho * light[c];
         }
-        guide.reflectance[id] = static_cast<float>(std::sqrt(sent / light));
+        guide.reflectance[id] = static_cast<float>(std::sqrt(mean_of(sent) / mean_of(light)));
         guide.irradiance[id] = grey(irradiance_, id);
     }
     // Upwards: sums over children, which follow their parents.
