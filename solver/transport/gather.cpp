@@ -70,7 +70,7 @@ float LightField<C>::exitance(std::uint32_t surface, std::size_t c) const {
     const Node& n = nodes_[surface];
     const Instance& instance = nodes_.scene().instances[n.instance];
     const std::uint32_t patch = nodes_.patch_of(n);
-    if (light_group_ != kAllGroups && instance.light_group_of(patch) != light_group_) return 0;
+    if (built_in("groups") && light_group_ != kAllGroups && instance.light_group_of(patch) != light_group_) return 0;
     return component<C>(instance.exitance[patch], c);
 }
 
@@ -96,7 +96,7 @@ void LightField<C>::grow() {
 template <int C>
 float LightField<C>::sources(std::uint32_t surface, std::size_t c) const {
     const float emitted = exitance(surface, c);
-    return outside_.empty() ? emitted : emitted + reflectance(surface, c) * component<C>(outside_[surface], c);
+    return !lit_from_outside() ? emitted : emitted + reflectance(surface, c) * component<C>(outside_[surface], c);
 }
 
 template <int C>
@@ -105,11 +105,11 @@ void LightField<C>::begin() {
         for_each_leaf(i, [&](std::uint32_t id) {
             for (std::size_t c = 0; c < C; ++c) {
                 radiosity_[id * C + c] = sources(id, c);
-                irradiance_[id * C + c] = outside_.empty() ? 0 : component<C>(outside_[id], c);
+                irradiance_[id * C + c] = !lit_from_outside() ? 0 : component<C>(outside_[id], c);
             }
         });
         pull_instance(i);
-        if (!other_side_[i].empty()) transmit(i), pull_instance(i);
+        if (transmits(i)) transmit(i), pull_instance(i);
     }
     pull_groups();
 }
@@ -200,7 +200,7 @@ void LightField<C>::set_links(const std::vector<Link>& links) {
     }
     scalar_.resize(scalar_first_.back());
     directed_.resize(directed_first_.back());
-    if (tint_) {
+    if (tinted()) {
         scalar_tint_.resize(scalar_.size());
         directed_tint_.resize(directed_.size());
     }
@@ -212,7 +212,7 @@ void LightField<C>::set_links(const std::vector<Link>& links) {
         const Vec3 w = d > 0 ? between / d : Vec3{0, 1, 0};
         Tint tint{};
         if constexpr (C == 3)
-            if (tint_) tint = tint_of(*tint_, d);
+            if (tinted()) tint = tint_of(*tint_, d);
         const auto half = [&](std::uint32_t receiver, std::uint32_t source, float base, const Vec3& u,
                               EndMode receiver_mode, EndMode source_mode) {
             const Node &r = nodes_[receiver], &s = nodes_[source];
@@ -221,11 +221,11 @@ void LightField<C>::set_links(const std::vector<Link>& links) {
             if (receiver_mode == EndMode::Mean || r.kind == NodeKind::Surface) gain /= r.area;
             else if (r.kind == NodeKind::Flat) gain /= dot(r.area_vector, arrival(r, u));
             if (scalar_half(r, receiver_mode, s, source_mode)) {
-                if (tint_) scalar_tint_[scalar_next[receiver]] = tint;
+                if (tinted()) scalar_tint_[scalar_next[receiver]] = tint;
                 scalar_[scalar_next[receiver]++] = {source, static_cast<float>(gain)};
                 return;
             }
-            if (tint_) directed_tint_[directed_next[receiver]] = tint;
+            if (tinted()) directed_tint_[directed_next[receiver]] = tint;
             DirectedLink& h = directed_[directed_next[receiver]++];
             h = {source, static_cast<float>(gain), to_float(u), {}, static_cast<float>(d > 0 ? 1 / d : 0), source_mode, receiver_mode};
             if (r.kind == NodeKind::Flat) h.slope = to_float(slope(r, s, u, d));
@@ -421,7 +421,7 @@ template <int C>
 void LightField<C>::transport(Push what) {
     bins_.pull(radiosity_);
     groups_.pull(bins_, radiosity_);
-    if (tint_ && what == Push::Light) {
+    if (tinted() && what == Push::Light) {
         gather_surfaces<true>();
         gather_bins<true>();
     } else {
@@ -472,7 +472,7 @@ void LightField<C>::reflect_instance(std::uint32_t i) {
             radiosity_[id * C + c] = exitance(id, c) + reflectance(id, c) * irradiance_[id * C + c];
     });
     pull_instance(i);
-    if (!other_side_[i].empty()) transmit(i), pull_instance(i);
+    if (transmits(i)) transmit(i), pull_instance(i);
 }
 
 template <int C>
@@ -504,7 +504,7 @@ double LightField<C>::sweep() {
             for (std::size_t c = 0; c < C; ++c) {
                 float& e = irradiance_[id * C + c];
                 if (!row_scale_.empty()) e *= row_scale_[id];
-                if (!outside_.empty()) e += component<C>(outside_[id], c);
+                if (lit_from_outside()) e += component<C>(outside_[id], c);
                 if (e < std::numeric_limits<float>::min()) e = 0;  // denormals are noise, and slow
                 // In reflected light, not in radiosity: beside a strong exitance float would round it away.
                 const double d = double(reflectance(id, c)) * (double(e) - double(before_[id * C + c]));
