@@ -14,10 +14,13 @@ inline constexpr std::array<std::string_view, 12> kEffects{"emitters", "interref
                                                            "colour",   "sky",             "sun",          "lights",
                                                            "transmission", "textures",    "groups",       "medium"};
 
-/// Is the effect part of this build? Code of one that is not is left out where this is asked with its name written out.
-constexpr bool built_in(std::string_view effect) {
+/// Is the effect part of this build?
+constexpr bool is_built(std::string_view effect) {
     return std::find(std::begin(kChosenEffects), std::end(kChosenEffects), effect) != std::end(kChosenEffects);
 }
+
+/// The same, answered by the compiler: code of an effect that is not is left out, and the question costs nothing.
+consteval bool built_in(std::string_view effect) { return is_built(effect); }
 
 static_assert(std::all_of(std::begin(kChosenEffects), std::end(kChosenEffects),
                           [](std::string_view name) { return std::find(kEffects.begin(), kEffects.end(), name) != kEffects.end(); }),

@@ -20,7 +20,7 @@ struct Plan {
     int channels = 3;                   // 1 where everything is grey
 
     /// Is it called for, and part of this build?
-    bool on(std::string_view name) const { return built_in(name) && called_for(name); }
+    bool on(std::string_view name) const { return is_built(name) && called_for(name); }
     EffectPlan& operator[](std::string_view name);
 
   private:

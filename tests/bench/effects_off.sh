@@ -18,7 +18,7 @@ run() { # run TOOL PROGRAM OPTION...
 }
 measure() { # measure PROGRAM
     run callgrind "$1" --callgrind-out-file="$folder/callgrind" | awk '/Collected/ { print $NF }'
-    run dhat "$1" --dhat-out-file="$folder/dhat" | awk '/Total:/ { gsub(",", ""); print $7 }'
+    run dhat "$1" --dhat-out-file="$folder/dhat" | awk '/Total:/ { gsub(",", ""); print $6 }'
 }
 with=($(measure "$1")) without=($(measure "$2"))
 for k in 0 1; do
