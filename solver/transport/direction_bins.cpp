@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "format/parallel.h"
+#include "solver/transport/channels.h"
 
 namespace rro {
 
@@ -319,8 +320,7 @@ void DirectionBins<C>::splat(std::uint32_t id, EndMode mode, const Vec3& u, doub
     const DirectionTaps taps = instance.object->archive.grid().taps(instance.to_local.vector(u));
     Face& face = state.face[static_cast<std::size_t>(mode)];
     float* plane = &face.incoming[row(mode, node) * kIncoming * state.stride];
-    float strength = 0;
-    for (std::size_t c = 0; c < C; ++c) strength += h[c];
+    const float strength = mean_of(h);
     const std::array<float, 4> shared{static_cast<float>(u.x) * strength, static_cast<float>(u.y) * strength,
                                       static_cast<float>(u.z) * strength,
                                       static_cast<float>(inverse_distance) * strength};
@@ -352,8 +352,7 @@ void DirectionBins<C>::push_terminal(std::uint32_t i, std::uint32_t t, EndMode m
         }
         const Vec3 x = nodes_[terminal].centre - nodes_[face.nodes[r]].centre;
         for (std::size_t k = 0; k < grid.size(); ++k) {
-            float strength = 0;
-            for (std::size_t c = 0; c < C; ++c) strength += plane[c * stride + k];
+            const float strength = mean_over<C>([&](std::size_t c) { return plane[c * stride + k]; });
             if (!(strength > 0)) continue;
             const Vec3 mean{plane[C * stride + k], plane[(C + 1) * stride + k], plane[(C + 2) * stride + k]};
             const Arrival at_terminal = translated(mean, strength, plane[(C + 3) * stride + k], x);

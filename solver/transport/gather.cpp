@@ -4,6 +4,7 @@
 #include <type_traits>
 
 #include "format/parallel.h"
+#include "solver/transport/channels.h"
 #include "solver/transport/flat_light.h"
 
 namespace rro {
@@ -77,7 +78,7 @@ float LightField<C>::exitance(std::uint32_t surface, std::size_t c) const {
     const Node& n = nodes_[surface];
     const Instance& instance = nodes_.scene().instances[n.instance];
     const std::uint32_t patch = nodes_.patch_of(n);
-    if (light_group_ != kAllGroups && instance.light_group_of(patch) != light_group_) return 0;
+    if (built_in("groups") && light_group_ != kAllGroups && instance.light_group_of(patch) != light_group_) return 0;
     return component<C>(instance.exitance[patch], c);
 }
 
@@ -103,7 +104,7 @@ void LightField<C>::grow() {
 template <int C>
 float LightField<C>::sources(std::uint32_t surface, std::size_t c) const {
     const float emitted = exitance(surface, c);
-    return outside_.empty() ? emitted : emitted + reflectance(surface, c) * component<C>(outside_[surface], c);
+    return !lit_from_outside() ? emitted : emitted + reflectance(surface, c) * component<C>(outside_[surface], c);
 }
 
 template <int C>
@@ -112,11 +113,11 @@ void LightField<C>::begin() {
         for_each_leaf(i, [&](std::uint32_t id) {
             for (std::size_t c = 0; c < C; ++c) {
                 radiosity_[id * C + c] = sources(id, c);
-                irradiance_[id * C + c] = outside_.empty() ? 0 : component<C>(outside_[id], c);
+                irradiance_[id * C + c] = !lit_from_outside() ? 0 : component<C>(outside_[id], c);
             }
         });
         pull_instance(i);
-        if (!other_side_[i].empty()) transmit(i), pull_instance(i);
+        if (transmits(i)) transmit(i), pull_instance(i);
     }
     pull_groups();
 }
@@ -207,7 +208,7 @@ void LightField<C>::set_links(const std::vector<Link>& links) {
     }
     scalar_.resize(scalar_first_.back());
     directed_.resize(directed_first_.back());
-    if (tint_) {
+    if (tinted()) {
         scalar_tint_.resize(scalar_.size());
         directed_tint_.resize(directed_.size());
     }
@@ -219,7 +220,7 @@ void LightField<C>::set_links(const std::vector<Link>& links) {
         const Vec3 w = d > 0 ? between / d : Vec3{0, 1, 0};
         Tint tint{};
         if constexpr (C == 3)
-            if (tint_) tint = tint_of(*tint_, d);
+            if (tinted()) tint = tint_of(*tint_, d);
         const auto half = [&](std::uint32_t receiver, std::uint32_t source, float base, const Vec3& u,
                               EndMode receiver_mode, EndMode source_mode) {
             const Node &r = nodes_[receiver], &s = nodes_[source];
@@ -228,11 +229,11 @@ void LightField<C>::set_links(const std::vector<Link>& links) {
             if (receiver_mode == EndMode::Mean || r.kind == NodeKind::Surface) gain /= r.area;
             else if (r.kind == NodeKind::Flat) gain /= dot(r.area_vector, arrival(r, u));
             if (scalar_half(r, receiver_mode, s, source_mode)) {
-                if (tint_) scalar_tint_[scalar_next[receiver]] = tint;
+                if (tinted()) scalar_tint_[scalar_next[receiver]] = tint;
                 scalar_[scalar_next[receiver]++] = {source, static_cast<float>(gain)};
                 return;
             }
-            if (tint_) directed_tint_[directed_next[receiver]] = tint;
+            if (tinted()) directed_tint_[directed_next[receiver]] = tint;
             DirectedLink& h = directed_[directed_next[receiver]++];
             h = {source, static_cast<float>(gain), to_float(u), {}, static_cast<float>(d > 0 ? 1 / d : 0), source_mode, receiver_mode};
             if (r.kind == NodeKind::Flat) h.slope = to_float(slope(r, s, u, d));
@@ -455,7 +456,7 @@ template <int C>
 void LightField<C>::transport(Push what) {
     bins_.pull(radiosity_);
     groups_.pull(bins_, radiosity_);
-    if (tint_ && what == Push::Light) {
+    if (tinted() && what == Push::Light) {
         gather_surfaces<true>();
         gather_bins<true>();
     } else {
@@ -506,7 +507,7 @@ void LightField<C>::reflect_instance(std::uint32_t i) {
             radiosity_[id * C + c] = exitance(id, c) + reflectance(id, c) * irradiance_[id * C + c];
     });
     pull_instance(i);
-    if (!other_side_[i].empty()) transmit(i), pull_instance(i);
+    if (transmits(i)) transmit(i), pull_instance(i);
 }
 
 template <int C>
@@ -534,22 +535,24 @@ double LightField<C>::sweep() {
         const auto i = static_cast<std::uint32_t>(k);
         for_each_leaf(i, [&](std::uint32_t id) {
             area[i] += nodes_[id].area;
+            std::array<double, C> square;
             for (std::size_t c = 0; c < C; ++c) {
                 float& e = irradiance_[id * C + c];
                 if (!row_scale_.empty()) e *= row_scale_[id];
-                if (!outside_.empty()) e += component<C>(outside_[id], c);
+                if (lit_from_outside()) e += component<C>(outside_[id], c);
                 if (e < std::numeric_limits<float>::min()) e = 0;  // denormals are noise, and slow
                 // In reflected light, not in radiosity: beside a strong exitance float would round it away.
                 const double d = double(reflectance(id, c)) * (double(e) - double(before_[id * C + c]));
-                change[i] += nodes_[id].area * d * d;
+                square[c] = d * d;
             }
+            change[i] += nodes_[id].area * mean_of(square);
         });
         reflect_instance(i);
     });
     pull_groups();
     double sum = 0, total = 0;
     for (std::size_t i = 0; i < instances; ++i) sum += change[i], total += area[i];
-    return total > 0 ? std::sqrt(sum / (total * C)) : 0.0;
+    return total > 0 ? std::sqrt(sum / total) : 0.0;
 }
 
 template <int C>
@@ -558,12 +561,11 @@ double LightField<C>::reflected_norm() const {
     for (std::uint32_t i = 0; i < nodes_.scene().instances.size(); ++i)
         for_each_leaf(i, [&](std::uint32_t id) {
             total += nodes_[id].area;
-            for (std::size_t c = 0; c < C; ++c) {
-                const double r = double(reflectance(id, c)) * double(irradiance_[id * C + c]);
-                sum += nodes_[id].area * r * r;
-            }
+            sum += nodes_[id].area * mean_over<C>([&](std::size_t c) {
+                return std::pow(double(reflectance(id, c)) * double(irradiance_[id * C + c]), 2);
+            });
         });
-    return total > 0 ? std::sqrt(sum / (total * C)) : 0.0;
+    return total > 0 ? std::sqrt(sum / total) : 0.0;
 }
 
 template <int C>
@@ -573,9 +575,7 @@ void LightField<C>::fill(Guide& guide) const {
     guide.variation.assign(nodes_.size(), 0);
     guide.reflectance.assign(nodes_.size(), 0);
     const auto grey = [](const std::vector<float>& v, std::size_t id) {
-        double sum = 0;
-        for (std::size_t c = 0; c < C; ++c) sum += double(v[id * C + c]) * double(v[id * C + c]);
-        return static_cast<float>(std::sqrt(sum / C));
+        return static_cast<float>(std::sqrt(mean_over<C>([&](std::size_t c) { return std::pow(double(v[id * C + c]), 2); })));
     };
     for (std::size_t id = 0; id < nodes_.size(); ++id) {
         guide.radiosity[id] = grey(radiosity_, id);
@@ -584,14 +584,13 @@ void LightField<C>::fill(Guide& guide) const {
         // Channels count by the square of their light, as in the error: a red face in red light reflects most of it.
         const auto face = static_cast<std::uint32_t>(id);
         constexpr double kDark = 1e-60;  // where there is none, all alike
-        double sent = 0, light = 0;
+        std::array<double, C> sent, light;
         for (std::size_t c = 0; c < C; ++c) {
             const double rho = double(reflectance(face, c)) + double(transmittance(face, c));
-            const double square = std::pow(double(irradiance_[id * C + c]), 2) + kDark;
-            sent += rho * rho * square;
-            light += square;
+            light[c] = std::pow(double(irradiance_[id * C + c]), 2) + kDark;
+            sent[c] = rho * rho * light[c];
         }
-        guide.reflectance[id] = static_cast<float>(std::sqrt(sent / light));
+        guide.reflectance[id] = static_cast<float>(std::sqrt(mean_of(sent) / mean_of(light)));
         guide.irradiance[id] = grey(irradiance_, id);
     }
     // Upwards: sums over children, which follow their parents.

@@ -504,7 +504,7 @@ Verdict LinkBuilder::settle(const Offer& o, const Guide& guide) const {
         if (v.action != Verdict::Action::Accept) return v;
     }
     v.action = Verdict::Action::Accept;
-    if (medium_most_ > 0) {
+    if (built_in("medium") && medium_most_ > 0) {
         // Absorbed over the distance between the centres; the rest of the ends lies nearer or farther. A link carries what all
         // channels lose; what some lose beyond that is the sweeps' (gather.h).
         const double extinct = medium_ * length(nb.centre - na.centre);

@@ -456,8 +456,9 @@ TransportOptions effective(TransportOptions options, const Plan& plan) {
 
 std::unique_ptr<ReusableSolver::State> make_state(std::shared_ptr<const Scene> scene, const Plan& plan,
                                                   const TransportOptions& options, bool follows) {
-    if (plan.channels == 1) return std::make_unique<Engine<1>>(std::move(scene), plan, options, follows);
-    return std::make_unique<Engine<3>>(std::move(scene), plan, options, follows);
+    if constexpr (built_in("colour"))
+        if (plan.channels == 3) return std::make_unique<Engine<3>>(std::move(scene), plan, options, follows);
+    return std::make_unique<Engine<1>>(std::move(scene), plan, options, follows);
 }
 
 }  // namespace
