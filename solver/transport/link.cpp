@@ -12,7 +12,7 @@ namespace rro {
 namespace {
 
 constexpr int kDeepestElement = 7;              // levels of quadtree below a face
-constexpr double kSmallestElementShare = 1e-6;  // of its instance's area: a lamp in a hall is small, and what counts
+constexpr double kSmallestElementShare = 1e-5;  // of its instance's area: a lamp in a hall is small, and what counts
 
 // What one link may be wrong by, relative to its light; r the radius of an end, d the distance.
 // A flat or planar end as a point: second order.
