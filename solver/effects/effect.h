@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "format/result.h"
-#include "solver/effects/built_in.h"
+#include "solver/scene/built_in.h"
 #include "solver/scene/scene.h"
 #include "solver/solution.h"
 

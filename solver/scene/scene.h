@@ -10,7 +10,7 @@
 #include "format/archive_reader.h"
 #include "format/rays/object_rays.h"
 #include "format/self_links.h"
-#include "solver/effects/built_in.h"
+#include "solver/scene/built_in.h"
 #include "solver/scene/lights.h"
 #include "solver/scene/manifest.h"
 

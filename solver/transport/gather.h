@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "solver/effects/built_in.h"
+#include "solver/scene/built_in.h"
 #include "solver/transport/direction_bins.h"
 #include "solver/transport/group_bins.h"
 #include "solver/transport/link.h"

@@ -5,7 +5,7 @@
 #include <array>
 #include <string_view>
 
-#include "solver/effects/chosen.h"  // of CMakeLists.txt: kChosenEffects, [] names
+#include "solver/scene/chosen.h"  // of CMakeLists.txt: kChosenEffects, [] names
 
 namespace rro {
 
