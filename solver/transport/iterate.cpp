@@ -28,8 +28,9 @@ Residual iterate(LightField<C>& field, double goal, double largest_reflectance, 
         const double norm = field.reflected_norm(), before = q;
         if (++plain >= 3 && last > 0) q = std::clamp(r / last, slowest, most_q);
         last = r;
-        out.relative = norm > 0 ? r / ((1 - q) * norm) : 0;
+        out.relative = norm > 0 ? (r + field.unsent()) / ((1 - q) * norm) : 0;
         if (out.relative <= goal) break;
+        if (r < field.unsent()) field.leave_unsent(0);
         if (plain < 4 || q < kSlow || std::abs(q - before) > kSettled * (1 - q)) continue;
         field.advance(q / (1 - q));
         slowest = q;

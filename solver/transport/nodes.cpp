@@ -40,6 +40,14 @@ double similarity_of(const Affine3& map) {
     return std::sqrt(square);
 }
 
+/// Forgets what is summed up over the children.
+void clear_sums(Node& node) {
+    node.centre = node.area_vector = {};
+    node.box = {};
+    node.moments = {};
+    node.area = 0;
+}
+
 }  // namespace
 
 double Node::mean_cosine(const Vec3& w, double fan) const {
@@ -63,6 +71,13 @@ Nodes::Nodes(const Scene& scene)
     set_groups();
 }
 
+void Nodes::move(const Scene& scene, std::span<const std::uint8_t> moved) {
+    scene_ = &scene;
+    for (std::uint32_t i = 0; i < moved.size(); ++i)
+        if (moved[i]) place_instance(i);
+    set_groups();
+}
+
 void Nodes::set_groups() {
     if (group_count() == 0) return;
     member_area_sum_.assign(1, 0);
@@ -73,6 +88,7 @@ void Nodes::set_groups() {
             return groups_.is_group(child) ? child : root(groups_.instance(child));
         };
         Node& node = nodes_[g];
+        clear_sums(node);
         node.kind = NodeKind::Bins;
         node.instance = kNoNode;
         node.index = g;
@@ -128,14 +144,10 @@ void Nodes::add_instance(std::uint32_t i) {
     nodes_.resize(nodes_.size() + cluster_count + face_count);
 
     for (std::uint32_t f = 0; f < face_count; ++f) {
-        Node& node = nodes_[in.first_face + f];
-        set_surface(node, instance.world_corners(data.faces[f]));
-        node.instance = i;
-        node.index = f;
+        nodes_[in.first_face + f].instance = i;
+        nodes_[in.first_face + f].index = f;
     }
-
-    // Bottom-up: sums over children.
-    for (std::uint32_t c = cluster_count; c-- > 0;) {
+    for (std::uint32_t c = 0; c < cluster_count; ++c) {
         const Cluster& cluster = data.clusters[c];
         const std::uint32_t id = in.first_cluster + c;
         Node& node = nodes_[id];
@@ -150,40 +162,8 @@ void Nodes::add_instance(std::uint32_t i) {
             node.second_child = in.first_cluster + cluster.right_child;
             node.child_count = 2;
         }
-        const auto add = [&](std::uint32_t child) {
-            Node& n = nodes_[child];
-            n.parent = id;
-            node.area += n.area;
-            node.area_vector += n.area_vector;
-            for (std::size_t k = 0; k < 6; ++k) node.moments[k] += n.moments[k];
-            node.centre += n.centre * n.area;
-            node.box.add(n.box);
-        };
-        if (cluster.right_child == 0)
-            for (std::uint32_t k = 0; k < node.child_count; ++k) add(node.first_child + k);
-        else
-            add(node.first_child), add(node.second_child);
-        node.centre = node.area > 0 ? node.centre / node.area : node.box.centre();
     }
-
-    // Extents and cones are taken over the faces below, exactly: each face visits its ancestors.
-    for (std::uint32_t c = 0; c < cluster_count; ++c) {
-        Node& node = nodes_[in.first_cluster + c];
-        node.radius = 0;
-        node.cone_cosine = length(node.area_vector) > 1e-6 * node.area ? 1.0f : -1.0f;
-    }
-    std::vector<Vec3> normals(cluster_count);
-    for (std::uint32_t c = 0; c < cluster_count; ++c) normals[c] = nodes_[in.first_cluster + c].normal();
-    for (std::uint32_t f = 0; f < face_count; ++f) {
-        const Node& face = nodes_[in.first_face + f];
-        const Vec3 normal = face.normal();
-        for (std::uint32_t a = face.parent; a != kNoNode; a = nodes_[a].parent) {
-            Node& node = nodes_[a];
-            node.radius = std::max(node.radius, static_cast<float>(length(face.centre - node.centre) + face.radius));
-            if (node.cone_cosine > -1)
-                node.cone_cosine = std::min(node.cone_cosine, static_cast<float>(dot(normals[node.index], normal)));
-        }
-    }
+    place_instance(i);
 
     // Kinds, top-down.
     const std::uint32_t terminal = std::max(kSmallestTerminal, patch_count / kTerminalsPerObject);
@@ -218,6 +198,61 @@ void Nodes::add_instance(std::uint32_t i) {
     in.planar = root.cone_cosine > 1 - 1e-6f;
     for (std::uint32_t f = 0; f < face_count && in.planar; ++f)
         in.planar = std::abs(dot(n, nodes_[in.first_face + f].centre - root.centre)) <= 1e-6 * root.radius;
+}
+
+void Nodes::place_instance(std::uint32_t i) {
+    const Instance& instance = scene_->instances[i];
+    const ObjectData& data = instance.data();
+    const InstanceNodes& in = instances_[i];
+    const auto cluster_count = static_cast<std::uint32_t>(data.clusters.size());
+    const auto face_count = static_cast<std::uint32_t>(data.faces.size());
+    const auto place_surface = [&](std::uint32_t id, const TriangleCorners& corners) {
+        nodes_[id].box = {};
+        set_surface(nodes_[id], corners);
+    };
+    for (std::uint32_t f = 0; f < face_count; ++f) place_surface(in.first_face + f, instance.world_corners(data.faces[f]));
+    for (const std::uint32_t id : in.elements) place_surface(id, corners(id));
+
+    // Bottom-up: sums over children.
+    for (std::uint32_t c = cluster_count; c-- > 0;) {
+        const Cluster& cluster = data.clusters[c];
+        const std::uint32_t id = in.first_cluster + c;
+        Node& node = nodes_[id];
+        clear_sums(node);
+        const auto add = [&](std::uint32_t child) {
+            Node& n = nodes_[child];
+            n.parent = id;
+            node.area += n.area;
+            node.area_vector += n.area_vector;
+            for (std::size_t k = 0; k < 6; ++k) node.moments[k] += n.moments[k];
+            node.centre += n.centre * n.area;
+            node.box.add(n.box);
+        };
+        if (cluster.right_child == 0)
+            for (std::uint32_t k = 0; k < node.child_count; ++k) add(node.first_child + k);
+        else
+            add(node.first_child), add(node.second_child);
+        node.centre = node.area > 0 ? node.centre / node.area : node.box.centre();
+    }
+
+    // Extents and cones are taken over the faces below, exactly: each face visits its ancestors.
+    for (std::uint32_t c = 0; c < cluster_count; ++c) {
+        Node& node = nodes_[in.first_cluster + c];
+        node.radius = 0;
+        node.cone_cosine = length(node.area_vector) > 1e-6 * node.area ? 1.0f : -1.0f;
+    }
+    std::vector<Vec3> normals(cluster_count);
+    for (std::uint32_t c = 0; c < cluster_count; ++c) normals[c] = nodes_[in.first_cluster + c].normal();
+    for (std::uint32_t f = 0; f < face_count; ++f) {
+        const Node& face = nodes_[in.first_face + f];
+        const Vec3 normal = face.normal();
+        for (std::uint32_t a = face.parent; a != kNoNode && !nodes_[a].group(); a = nodes_[a].parent) {
+            Node& node = nodes_[a];
+            node.radius = std::max(node.radius, static_cast<float>(length(face.centre - node.centre) + face.radius));
+            if (node.cone_cosine > -1)
+                node.cone_cosine = std::min(node.cone_cosine, static_cast<float>(dot(normals[node.index], normal)));
+        }
+    }
 }
 
 std::uint32_t Nodes::face_of(const Node& surface) const {

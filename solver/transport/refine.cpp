@@ -57,7 +57,9 @@ class Refiner {
             if (outgrown(l, nodes_, guide_)) {
                 ++set_.change.removed;
                 stack_.push_back({l.a, l.b, l.stored, set_.tree ? set_.tree->record_of_link[k] : kNoNode});
-                if (set_.tree) (*set_.tree)[stack_.back().record].fate = PairFate::Open;
+                if (!set_.tree) continue;
+                (*set_.tree)[stack_.back().record].fate = PairFate::Open;
+                set_.note(l);
             } else {
                 if (set_.tree) renumber(k, static_cast<std::uint32_t>(kept));
                 set_.links[kept++] = l;
@@ -145,12 +147,20 @@ void LinkSet::add(const Link& link, std::uint32_t record) {
         (*tree)[record].fate = PairFate::Linked;
         (*tree)[record].at = static_cast<std::uint32_t>(links.size());
         tree->record_of_link.push_back(record);
+        note(link);
     }
     links.push_back(link);
     ++change.added;
 }
 
+void LinkSet::replace(std::uint32_t number, const Link& link) {
+    links[number] = link;
+    note(link);
+    ++change.retested;
+}
+
 void LinkSet::remove(std::uint32_t link) {
+    note(links[link]);
     const std::uint32_t last = tree->record_of_link.back();
     (*tree)[last].at = link;
     tree->record_of_link[link] = last;

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include "solver/transport/group_light.h"
@@ -38,18 +39,31 @@ constexpr double kSummed = 0.01;
 // Where edits have moved more than this part of the surface, or links have become more than this many times those of the
 // last solve from scratch, there is nothing left to be saved.
 constexpr double kMostMoved = 0.5, kMostGrowth = 1.5;
+// Elements that links need no more stay until there are this many times the nodes of the last time they were looked for.
+constexpr double kMostElements = 1.2;
+// Changes of radiosity below this part of the accuracy, relative to the scene's reflected light, wait for more.
+constexpr double kUnsent = 0.02;
 
 /// What all passes of a solve stand on: made anew for every scene, from what there was.
 template <int C>
 struct Stage {
     Stage(std::shared_ptr<const Scene> of, const Plan& plan, const TransportOptions& options)
-        : place(std::move(of)), scene(place), nodes(*scene), areas(nodes), rays(*scene), builder(nodes, areas, rays, options),
-          outside(*scene, plan, builder, rays, options), field(nodes, areas) {}
+        : place(std::move(of)), scene(place), nodes(*scene), areas(nodes), field(nodes, areas) {
+        look(plan, options);
+    }
     Stage(std::shared_ptr<const Scene> of, const Plan& plan, const TransportOptions& options, const Stage& before,
           const UsedElements& used, const SceneChange& change)
         : place(std::move(of)), scene(place), nodes(*scene), map(carry_nodes(before.nodes, used, change, nodes)), areas(nodes, &before.areas),
-          rays(*scene), builder(nodes, areas, rays, options), outside(*scene, plan, builder, rays, options), field(nodes, areas) {
+          field(nodes, areas) {
+        look(plan, options);
         field.take_over(before.field, map);
+    }
+
+    /// Instances stand elsewhere, as Nodes::move allows it.
+    void move(std::shared_ptr<const Scene> to, const Plan& plan, const TransportOptions& options, const std::vector<std::uint8_t>& moved) {
+        place = scene = std::move(to);
+        nodes.move(*scene, moved);
+        look(plan, options);
     }
 
     std::shared_ptr<const Scene> place;  // what rays and links refer to
@@ -57,10 +71,17 @@ struct Stage {
     Nodes nodes;
     std::vector<std::uint32_t> map;  // [nodes before] their numbers
     EndAreas areas;
-    SceneRays rays;
-    LinkBuilder builder;
-    OutsideLight outside;
     LightField<C> field;
+    std::optional<SceneRays> rays;  // these three: made by look() at the scene as it stands
+    std::optional<LinkBuilder> builder;
+    std::optional<OutsideLight> outside;
+
+  private:
+    void look(const Plan& plan, const TransportOptions& options) {
+        rays.emplace(*scene);
+        builder.emplace(nodes, areas, *rays, options);
+        outside.emplace(*scene, plan, *builder, *rays, options);
+    }
 };
 
 /// Does one plan lead to the same passes as another?
@@ -102,6 +123,7 @@ class Engine : public ReusableSolver::State {
         const auto start = Clock::now();
         stage_ = std::make_unique<Stage<C>>(std::move(scene), plan, options);
         set_ = std::make_unique<LinkSet>(stage_->nodes, plan.on("self"), follows);
+        if (follows) stage_->field.follow();
         guide_.share.assign(stage_->scene->instances.size(), std::pow(std::max(kCoarseAccuracy, options.accuracy), 2) * kFirstShare);
         guide_.scene_share = guide_.share.empty() ? 0 : guide_.share[0];
         first_seconds_ = seconds_since(start);
@@ -112,13 +134,14 @@ class Engine : public ReusableSolver::State {
         solution.seconds.links += first_seconds_;
         sources_ = sources_of(stage_->nodes, stage_->field);
         find_outside(true, solution, progress);
-        if (stage_->outside.any()) stage_->field.begin();
+        if (stage_->outside->any()) stage_->field.begin();
         guide_.error.assign(stage_->nodes.size(), 0.0f);
         stage_->field.fill(guide_);
         guide_.reflected = reflected_at_first();
         if (set_->tree) schedule_.first = guide_;
         settle(0, Links::None, solution, progress);
         links_at_first_ = set_->links.size();
+        nodes_at_first_ = stage_->nodes.size();
         return solution;
     }
 
@@ -139,29 +162,37 @@ class Engine : public ReusableSolver::State {
         set_->change = {};
         set_->rays = 0;
         set_->visibility_seconds = 0;
-        if (change.only_materials() && !stage_->outside.any()) {
+        if (change.only_materials() && !stage_->outside->any()) {
             follow_materials(std::move(scene), change, solution, progress);
             return solution;
         }
         groups_.clear();
+        if (stays_in_place(*scene, change)) {
+            const std::shared_ptr<const Scene> before = stage_->scene;
+            stage_->move(std::move(scene), plan, options, change.moved);
+            guide_.share = schedule_.rounds.back().of_instance;
+            guide_.scene_share = schedule_.rounds.back().of_scene;
+            solution.seconds.links += seconds_since(start);
+            judge_again(touched_by(change, *before, 0), solution);
+            settle(kDirectRounds, Links::Ready, solution, progress);
+            return solution;
+        }
         const std::unique_ptr<Stage<C>> before = std::move(stage_);
         const bool same_outside = !change.places() && !change.lights;
         UsedElements used = used_elements(*set_, before->nodes);
         // What fell on their faces as a whole may never have been looked at.
-        if (same_outside && before->outside.any()) used.assign(used.size(), 1);
+        if (same_outside && before->outside->any()) used.assign(used.size(), 1);
         stage_ = std::make_unique<Stage<C>>(std::move(scene), plan, options, *before, used, change);
+        stage_->field.follow();
+        nodes_at_first_ = stage_->nodes.size();
         renumber(*set_, stage_->map);
         sources_ = sources_of(stage_->nodes, stage_->field);
         carry_guide(change);
-        if (same_outside && before->outside.any()) stage_->outside.take_over(before->outside, stage_->map);
+        if (same_outside && before->outside->any()) stage_->outside->take_over(*before->outside, stage_->map);
         solution.seconds.links += seconds_since(start);
         find_outside(!same_outside, solution, progress);
         begin_guides();
-
-        const auto linking = Clock::now();
-        if (change.places())
-            retest(*set_, stage_->nodes, stage_->builder, schedule_, guide_, touched_by(change, *before));
-        solution.seconds.links += seconds_since(linking);
+        if (change.places()) judge_again(touched_by(change, *before->scene, before->nodes.group_count()), solution);
         const bool placed = std::find(change.before.begin(), change.before.end(), SceneChange::kPlaced) != change.before.end();
         settle(kDirectRounds, placed ? Links::Retested : Links::Ready, solution, progress);
         return solution;
@@ -183,7 +214,9 @@ class Engine : public ReusableSolver::State {
 
     /// Light from outside comes first: it is a source like emitters, and its shadows divide faces.
     void find_outside(bool anew, Solution& solution, const Progress& progress) {
-        auto& [place, scene, nodes, map, areas, rays, builder, outside, field] = *stage_;
+        Nodes& nodes = stage_->nodes;
+        LightField<C>& field = stage_->field;
+        OutsideLight& outside = *stage_->outside;
         const auto start = Clock::now();
         entering_ = 0;
         if (!outside.any()) return;
@@ -298,10 +331,18 @@ class Engine : public ReusableSolver::State {
             guide_.error.push_back(guide_.error[stage_->nodes[n].parent]);
     }
 
-    Touched touched_by(const SceneChange& change, const Stage<C>& before) const {
+    /// Do nodes and light keep their numbers?
+    bool stays_in_place(const Scene& scene, const SceneChange& change) const {
         const Nodes& nodes = stage_->nodes;
-        Touched touched{change.moved, std::vector<std::uint8_t>(nodes.group_count(), 1), {}};
-        for (std::uint32_t g = 0; g < before.nodes.group_count(); ++g)
+        return change.only_places() && !stage_->outside->any() && double(nodes.size()) <= kMostElements * double(nodes_at_first_) &&
+               same_shapes(*stage_->scene, scene, change) && (nodes.group_count() == 0 || group_instances(scene) == nodes.groups());
+    }
+
+    /// renewed  groups before, where they may have others numbers or members now; 0: they are the same
+    Touched touched_by(const SceneChange& change, const Scene& before, std::uint32_t renewed) const {
+        const Nodes& nodes = stage_->nodes;
+        Touched touched{change.moved, std::vector<std::uint8_t>(nodes.group_count(), renewed > 0), {}};
+        for (std::uint32_t g = 0; g < renewed; ++g)
             if (stage_->map[g] != kNoNode) touched.group[stage_->map[g]] = 0;
         for (std::uint32_t g = nodes.group_count(); g-- > 0;)
             for (const std::uint32_t child : {nodes[g].first_child, nodes[g].second_child})
@@ -309,10 +350,16 @@ class Engine : public ReusableSolver::State {
         for (std::uint32_t i = 0; i < change.moved.size(); ++i) {
             if (!change.moved[i]) continue;
             touched.blockers.push_back(&stage_->scene->instances[i]);
-            if (change.before[i] != SceneChange::kPlaced) touched.blockers.push_back(&before.scene->instances[change.before[i]]);
+            if (change.before[i] != SceneChange::kPlaced) touched.blockers.push_back(&before.instances[change.before[i]]);
         }
-        for (const std::uint32_t i : change.deleted) touched.blockers.push_back(&before.scene->instances[i]);
+        for (const std::uint32_t i : change.deleted) touched.blockers.push_back(&before.instances[i]);
         return touched;
+    }
+
+    void judge_again(const Touched& touched, Solution& solution) {
+        const auto start = Clock::now();
+        retest(*set_, stage_->nodes, *stage_->builder, schedule_, guide_, touched);
+        solution.seconds.links += seconds_since(start);
     }
 
     /// Pairs that wait for light although it has reached them: a little of it comes last of all.
@@ -341,14 +388,17 @@ class Engine : public ReusableSolver::State {
     }
 
     /// Makes the light field carry the links as they are.
-    void prepare_sweeps() {
-        auto& [place, scene, nodes, map, areas, rays, builder, outside, field] = *stage_;
+    void prepare_sweeps(bool follows) {
+        LightField<C>& field = stage_->field;
+        OutsideLight& outside = *stage_->outside;
         field.grow();
         if (outside.any()) {
-            outside.find(nodes);
+            outside.find(stage_->nodes);
             field.set_outside(outside.irradiance());
         }
-        field.set_links(set_->links);
+        if (follows) field.change_links(set_->links, set_->ends);
+        else field.set_links(set_->links);
+        set_->ends.clear();
         field.bound_rows();
         if (closed()) field.close_rows();
     }
@@ -381,14 +431,15 @@ class Engine : public ReusableSolver::State {
             const std::size_t before = nodes.size(), links_before = set_->links.size();
             const std::uint64_t rays_before = set_->rays;
             if (!ready) groups_.clear();
-            if (!ready) refine(*set_, stage_->nodes, guide_, stage_->builder);
-            if (!ready || links < Links::Swept) prepare_sweeps();
+            if (!ready) refine(*set_, stage_->nodes, guide_, *stage_->builder);
+            if (!ready || links < Links::Swept) prepare_sweeps(follows);
             bool changed = nodes.size() != before || set_->links.size() != links_before || set_->rays != rays_before;
             solution.seconds.links += seconds_since(start);
 
             if (progress) progress("iterate", double(round) / kMostRounds);
             start = Clock::now();
             if (!bounces) field.extinguish();
+            field.leave_unsent(follows ? kUnsent * options.accuracy * field.reflected_norm() : 0);
             const int most = !bounces ? 1 : round < kDirectRounds ? 2 : kMostSweeps;
             if (!ready || links != Links::Lit)
                 residual = iterate(field, kSteering * options.accuracy, sources_.largest_reflectance, most);
@@ -397,8 +448,8 @@ class Engine : public ReusableSolver::State {
             solution.seconds.iterate += seconds_since(start);
 
             field.fill(guide_);
-            ErrorEstimate estimate = estimate_error(*set_, nodes, closed() ? 1.0 : amplification(nodes, field, stage_->outside),
-                                                    stage_->outside.error(), guide_);
+            ErrorEstimate estimate = estimate_error(*set_, nodes, closed() ? 1.0 : amplification(nodes, field, *stage_->outside),
+                                                    stage_->outside->error(), guide_);
             hind_sight.correct(estimate, nodes, field);
             error = estimate.whole;
             if (ready) changed = links == Links::Retested || lit_pending() > lit_pending_;
@@ -423,7 +474,7 @@ class Engine : public ReusableSolver::State {
 
     void report(Solution& solution) const {
         const Nodes& nodes = stage_->nodes;
-        solution.rays = set_->rays + stage_->outside.rays();
+        solution.rays = set_->rays + stage_->outside->rays();
         solution.seconds.visibility = set_->visibility_seconds + solution.seconds.outside;
         solution.seconds.links -= set_->visibility_seconds;
         for (const Link& l : set_->links) {
@@ -431,7 +482,7 @@ class Engine : public ReusableSolver::State {
             else ++(l.mean() ? solution.links.near : solution.links.far);
         }
         solution.links.bytes = set_->links.size() * sizeof(Link) + stage_->field.bytes();
-        store_light(nodes, stage_->field, stage_->outside.irradiance(), solution);
+        store_light(nodes, stage_->field, stage_->outside->irradiance(), solution);
     }
 
     std::unique_ptr<Stage<C>> stage_;
@@ -445,7 +496,7 @@ class Engine : public ReusableSolver::State {
     Residual residual_;                           // of the light as it is
     double entering_ = 0;  // sum of A R^2 of light from outside, reflected once, W^2/m^2
     double first_seconds_ = 0;
-    std::size_t links_at_first_ = 0;
+    std::size_t links_at_first_ = 0, nodes_at_first_ = 0;
 };
 
 TransportOptions effective(TransportOptions options, const Plan& plan) {
