@@ -11,6 +11,7 @@ namespace rro {
 namespace {
 
 constexpr std::size_t kGrain = 256;  // receivers per parallel chunk
+constexpr std::size_t kBatch = 1 << 16;  // links made ready at a time
 
 template <int C>
 float component(const Rgb& rgb, std::size_t c) {
@@ -262,35 +263,48 @@ void LightField<C>::add_rows(const std::vector<Link>& links, const std::vector<s
         scalar_tint_.resize(scalar_.size());
         directed_tint_.resize(directed_.size());
     }
-    for (const Link& l : links) {
-        if ((l.base_a == 0 && l.base_b == 0) || !(wanted[l.a] || wanted[l.b])) continue;
-        const Vec3 between = nodes_[l.b].centre - nodes_[l.a].centre;
-        const double d = length(between);
-        const Vec3 w = d > 0 ? between / d : Vec3{0, 1, 0};
-        Tint tint{};
-        if constexpr (C == 3)
-            if (tint_) tint = tint_of(*tint_, d);
-        const auto half = [&](std::uint32_t receiver, std::uint32_t source, float base, const Vec3& u,
-                              EndMode receiver_mode, EndMode source_mode) {
-            if (!wanted[receiver]) return;
-            const Node &r = nodes_[receiver], &s = nodes_[source];
-            double gain = double(base);
-            if (source_mode == EndMode::Mean || s.kind != NodeKind::Bins) gain *= std::numbers::inv_pi;
-            if (receiver_mode == EndMode::Mean || r.kind == NodeKind::Surface) gain /= r.area;
-            else if (r.kind == NodeKind::Flat) gain /= dot(r.area_vector, arrival(r, u));
-            if (scalar_half(r, receiver_mode, s, source_mode)) {
-                if (tint_) scalar_tint_[scalar_row_[receiver].last] = tint;
-                scalar_[scalar_row_[receiver].last++] = {source, static_cast<float>(gain)};
-                return;
-            }
-            if (tint_) directed_tint_[directed_row_[receiver].last] = tint;
-            DirectedLink& h = directed_[directed_row_[receiver].last++];
-            h = {source, static_cast<float>(gain), to_float(u), {}, static_cast<float>(d > 0 ? 1 / d : 0), source_mode, receiver_mode};
-            if (r.kind == NodeKind::Flat) h.slope = to_float(slope(r, s, u, d));
-        };
-        half(l.a, l.b, l.base_a, w, l.mode_a, l.mode_b);
-        half(l.b, l.a, l.base_b, -w, l.mode_b, l.mode_a);
+    // Places in order, contents side by side.
+    std::vector<Half> halves;
+    const auto place = [&](const Link& l, bool at_a) {
+        const std::uint32_t receiver = at_a ? l.a : l.b, source = at_a ? l.b : l.a;
+        if (!wanted[receiver]) return;
+        const bool scalar = scalar_half(nodes_[receiver], at_a ? l.mode_a : l.mode_b, nodes_[source], at_a ? l.mode_b : l.mode_a);
+        halves.push_back({&l, (scalar ? scalar_row_ : directed_row_)[receiver].last++, at_a, scalar});
+    };
+    for (std::size_t begin = 0; begin < links.size(); begin += kBatch) {
+        halves.clear();
+        for (std::size_t k = begin; k < std::min(begin + kBatch, links.size()); ++k) {
+            const Link& l = links[k];
+            if ((l.base_a == 0 && l.base_b == 0) || !(wanted[l.a] || wanted[l.b])) continue;
+            place(l, true);
+            place(l, false);
+        }
+        parallel_for(halves.size(), kGrain, [&](std::size_t k) { set_half(halves[k]); });
     }
+}
+
+template <int C>
+void LightField<C>::set_half(const Half& half) {
+    const Link& l = *half.link;
+    const std::uint32_t source = half.at_a ? l.b : l.a;
+    const EndMode receiver_mode = half.at_a ? l.mode_a : l.mode_b, source_mode = half.at_a ? l.mode_b : l.mode_a;
+    const Node &r = nodes_[half.at_a ? l.a : l.b], &s = nodes_[source];
+    const Vec3 between = s.centre - r.centre;
+    const double d = length(between);
+    const Vec3 u = d > 0 ? between / d : Vec3{0, half.at_a ? 1.0 : -1.0, 0};
+    double gain = double(half.at_a ? l.base_a : l.base_b);
+    if (source_mode == EndMode::Mean || s.kind != NodeKind::Bins) gain *= std::numbers::inv_pi;
+    if (receiver_mode == EndMode::Mean || r.kind == NodeKind::Surface) gain /= r.area;
+    else if (r.kind == NodeKind::Flat) gain /= dot(r.area_vector, arrival(r, u));
+    if constexpr (C == 3)
+        if (tint_) (half.scalar ? scalar_tint_ : directed_tint_)[half.at] = tint_of(*tint_, d);
+    if (half.scalar) {
+        scalar_[half.at] = {source, static_cast<float>(gain)};
+        return;
+    }
+    DirectedLink& h = directed_[half.at];
+    h = {source, static_cast<float>(gain), to_float(u), {}, static_cast<float>(d > 0 ? 1 / d : 0), source_mode, receiver_mode};
+    if (r.kind == NodeKind::Flat) h.slope = to_float(slope(r, s, u, d));
 }
 
 template <int C>
@@ -511,6 +525,12 @@ void LightField<C>::send(Passage& p, double tolerance) {
 }
 
 template <int C>
+void LightField<C>::leave_unsent(double part) {
+    unsent_part_ = part;
+    tolerance_ = part > 0 ? part * reflected_norm() : 0;
+}
+
+template <int C>
 double LightField<C>::find_unsent() const {
     if (tolerance_ <= 0) return 0;
     const std::size_t instances = nodes_.scene().instances.size();
@@ -541,7 +561,7 @@ template <int C>
 void LightField<C>::transport(Push what) {
     const bool light = what == Push::Light;
     Passage& p = light || !unit_ ? light_ : *unit_;
-    const double tolerance = light ? tolerance_ : 0;
+    const double tolerance = light ? tolerance_ : unsent_part_;  // of unit radiosity
     send(p, tolerance);
     if (tint_ && light) {
         gather_surfaces<true>(p);
@@ -659,15 +679,18 @@ double LightField<C>::sweep() {
 
 template <int C>
 double LightField<C>::reflected_norm() const {
-    double sum = 0, total = 0;
-    for (std::uint32_t i = 0; i < nodes_.scene().instances.size(); ++i)
-        for_each_leaf(i, [&](std::uint32_t id) {
-            total += nodes_[id].area;
+    const std::size_t instances = nodes_.scene().instances.size();
+    std::vector<double> square(instances, 0);
+    parallel_for(instances, 1, [&](std::size_t i) {
+        for_each_leaf(static_cast<std::uint32_t>(i), [&](std::uint32_t id) {
             for (std::size_t c = 0; c < C; ++c) {
                 const double r = double(reflectance(id, c)) * double(irradiance_[id * C + c]);
-                sum += nodes_[id].area * r * r;
+                square[i] += nodes_[id].area * r * r;
             }
         });
+    });
+    double sum = 0, total = 0;
+    for (std::uint32_t i = 0; i < instances; ++i) sum += square[i], total += nodes_[nodes_.root(i)].area;
     return total > 0 ? std::sqrt(sum / (total * C)) : 0.0;
 }
 
@@ -682,10 +705,10 @@ void LightField<C>::fill(Guide& guide) const {
         for (std::size_t c = 0; c < C; ++c) sum += double(v[id * C + c]) * double(v[id * C + c]);
         return static_cast<float>(std::sqrt(sum / C));
     };
-    for (std::size_t id = 0; id < nodes_.size(); ++id) {
+    parallel_for(nodes_.size(), kGrain, [&](std::size_t id) {
         guide.radiosity[id] = grey(radiosity_, id);
         const Node& n = nodes_[static_cast<std::uint32_t>(id)];
-        if (n.kind != NodeKind::Surface) continue;
+        if (n.kind != NodeKind::Surface) return;
         // Channels count by the square of their light, as in the error: a red face in red light reflects most of it.
         const auto face = static_cast<std::uint32_t>(id);
         constexpr double kDark = 1e-60;  // where there is none, all alike
@@ -698,7 +721,7 @@ void LightField<C>::fill(Guide& guide) const {
         }
         guide.reflectance[id] = static_cast<float>(std::sqrt(sent / light));
         guide.irradiance[id] = grey(irradiance_, id);
-    }
+    });
     // Upwards: sums over children, which follow their parents.
     std::vector<double> square(nodes_.size(), 0);
     double area = 0;

@@ -60,8 +60,9 @@ class LightField {
     /// The same for links that differ from those before only at these nodes, in any order. What other nodes receive stays.
     void change_links(const std::vector<Link>& links, const std::vector<std::uint32_t>& ends);
 
-    /// Surfaces and clusters whose radiosity has changed by less, W/m^2, keep sending what they sent: 0 is exact.
-    void leave_unsent(double less) { tolerance_ = less; }
+    /// Surfaces and clusters whose radiosity has changed by less than this part of the reflected norm as it is now keep
+    /// sending what they sent: 0 is exact.
+    void leave_unsent(double part);
     /// Area-weighted root mean square over leaf surfaces of what the last sweep left unsent, W/m^2. No more than this may
     /// be missing from the change that it returned.
     double unsent() const { return unsent_; }
@@ -136,7 +137,14 @@ class LightField {
         f(light_);
         if (unit_) f(*unit_);
     }
+    /// Half of a link: where it belongs in the receiver's row.
+    struct Half {
+        const Link* link;
+        std::uint32_t at;
+        bool at_a, scalar;
+    };
     void add_rows(const std::vector<Link>& links, const std::vector<std::uint8_t>& wanted);
+    void set_half(const Half& half);
     std::array<float, C> source_value(const Passage& p, const DirectedLink& link) const;
     using Tint = std::array<float, C>;
     void transport(Push what = Push::Light);  // radiosity_ -> irradiance_ of leaves
@@ -163,7 +171,8 @@ class LightField {
     const EndAreas& areas_;
     Passage light_;
     std::optional<Passage> unit_;                    // with unit radiosity everywhere: where edits follow
-    double tolerance_ = 0, unsent_ = 0;              // W/m^2
+    double unsent_part_ = 0, tolerance_ = 0;         // relative, and in W/m^2
+    double unsent_ = 0;                              // W/m^2
     bool push_all_ = true;                           // irradiance_ is not what the last sweep made of it
     std::vector<std::uint8_t> reached_;              // [instances] by the last sweep
     std::uint32_t light_group_ = kAllGroups;         // that emits

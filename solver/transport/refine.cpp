@@ -232,14 +232,23 @@ ErrorEstimate estimate_error(const LinkSet& set, const Nodes& nodes, double grow
     // their parents).
     std::vector<double> squares(nodes.size(), 0), plain(nodes.size(), 0), below(nodes.size(), 0);
     const std::size_t count = nodes.scene().instances.size();
-    std::vector<double> fourth(count, 0);  // what each link adds to the squared error, squared
+    std::vector<double> fourth(count + 1, 0);  // what each link adds to the squared error, squared; groups at the end
+    struct Receiver {  // what links ask of a node, close together
+        double per_area, reflecting;
+        std::uint32_t instance;
+    };
+    std::vector<Receiver> receivers(nodes.size());
+    parallel_for(nodes.size(), kGrain, [&](std::size_t n) {
+        const Node& node = nodes[static_cast<std::uint32_t>(n)];
+        receivers[n] = {node.area > 0 ? 1 / node.area : 0, node.area * std::pow(double(guide.reflectance[n]), 2),
+                        node.group() ? static_cast<std::uint32_t>(count) : node.instance};
+    });
     const auto add = [&](std::uint32_t to, std::uint32_t from, double error, double noise) {
-        if (!(nodes[to].area > 0)) return;
-        const double per = double(guide.radiosity[from]) / nodes[to].area;
-        squares[to] += per * per * (error * error + noise * noise);
+        const Receiver& r = receivers[to];
+        const double per = double(guide.radiosity[from]) * r.per_area, square = per * per * (error * error + noise * noise);
+        squares[to] += square;
         plain[to] += per * error;
-        const double one = nodes[to].area * std::pow(double(guide.reflectance[to]) * per, 2) * (error * error + noise * noise);
-        if (!nodes[to].group()) fourth[nodes[to].instance] += one * one;
+        fourth[r.instance] += r.reflecting * square * (r.reflecting * square);
     };
     for (const Link& l : set.links) {
         add(l.a, l.b, double(l.error_a), double(l.noise));

@@ -423,6 +423,7 @@ class Engine : public ReusableSolver::State {
         Residual residual{0, residual_.relative};
         HindSight hind_sight;
         for (const int first = round; round < kMostRounds; ++round) {
+            field.leave_unsent(follows ? kUnsent * options.accuracy : 0);
             const bool ready = follows && round == first;
             if (progress) progress("links", double(round) / kMostRounds);
             auto start = Clock::now();
@@ -439,7 +440,6 @@ class Engine : public ReusableSolver::State {
             if (progress) progress("iterate", double(round) / kMostRounds);
             start = Clock::now();
             if (!bounces) field.extinguish();
-            field.leave_unsent(follows ? kUnsent * options.accuracy * field.reflected_norm() : 0);
             const int most = !bounces ? 1 : round < kDirectRounds ? 2 : kMostSweeps;
             if (!ready || links != Links::Lit)
                 residual = iterate(field, kSteering * options.accuracy, sources_.largest_reflectance, most);
