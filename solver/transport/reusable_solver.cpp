@@ -43,6 +43,8 @@ constexpr double kMostMoved = 0.5, kMostGrowth = 1.5;
 constexpr double kMostElements = 1.2;
 // Changes of radiosity below this part of the accuracy, relative to the scene's reflected light, wait for more.
 constexpr double kUnsent = 0.02;
+// Links may err by this part of the accuracy: a tenth is left to the iteration, added by squares.
+constexpr double kSettled = 0.99;
 
 /// What all passes of a solve stand on: made anew for every scene, from what there was.
 template <int C>
@@ -166,10 +168,16 @@ class Engine : public ReusableSolver::State {
             follow_materials(std::move(scene), change, solution, progress);
             return solution;
         }
+        catch_up(*stage_->scene);
+        dimmer_ = {};
         groups_.clear();
         if (stays_in_place(*scene, change)) {
             const std::shared_ptr<const Scene> before = stage_->scene;
             stage_->move(std::move(scene), plan, options, change.moved);
+            if (sources_changed_) {
+                sources_ = sources_of(stage_->nodes, stage_->field);
+                begin_guides();
+            }
             guide_.share = schedule_.rounds.back().of_instance;
             guide_.scene_share = schedule_.rounds.back().of_scene;
             solution.seconds.links += seconds_since(start);
@@ -255,13 +263,24 @@ class Engine : public ReusableSolver::State {
         }
     }
 
-    /// No link changes. Where whole light groups are dimmed, not even a sweep is needed.
+    /// No link changes. Where whole light groups are dimmed, not even a sweep is needed; where it is one that has been dimmed
+    /// before, nothing but a sum.
     void follow_materials(std::shared_ptr<const Scene> scene, const SceneChange& change, Solution& solution, const Progress& progress) {
         auto start = Clock::now();
         before_ = std::exchange(stage_->scene, std::move(scene));
-        const bool dimmed = !change.reflectance && plan.on("interreflection") && dim(*before_);
+        const std::vector<std::uint32_t> changed = changed_groups(*before_, *stage_->scene);
+        sources_changed_ = true;
+        const bool sums = !change.reflectance && plan.on("interreflection");
+        if (sums && changed.size() == 1 && changed[0] == dimmer_.group && dim_again(solution)) {
+            stage_->nodes.set_materials(*stage_->scene);
+            before_.reset();
+            solution.seconds.iterate += seconds_since(start);
+            return;
+        }
+        catch_up(*before_);
+        const bool dimmed = sums && dim(*before_, changed);
         stage_->nodes.set_materials(*stage_->scene);
-        if (!dimmed) groups_.clear();
+        if (!dimmed) groups_.clear(), dimmer_ = {};
         before_.reset();
         sources_ = sources_of(stage_->nodes, stage_->field);
         stage_->field.relight();
@@ -269,16 +288,69 @@ class Engine : public ReusableSolver::State {
         guide_.share = schedule_.rounds.back().of_instance;
         guide_.scene_share = schedule_.rounds.back().of_scene;
         settle(kDirectRounds, dimmed ? Links::Lit : Links::Swept, solution, progress);
+        if (dimmed) remember_dimmer(changed, solution);
+    }
+
+    /// One group, dimmed more than once while all else stays.
+    struct Dimmer {
+        std::uint32_t group = LightField<C>::kAllGroups;
+        SquareByLevel error, light;  // of all light together, sum of A R^2, W^2/m^2
+        double level = 0;            // of `base` and of the light field
+        double now = 0;              // of the solution last given
+        Solution base;
+    };
+
+    void remember_dimmer(const std::vector<std::uint32_t>& changed, const Solution& solution) {
+        const auto found = groups_.find(changed[0]);
+        if (changed.size() != 1 || found == groups_.end()) {
+            dimmer_ = {};
+            return;
+        }
+        if (dimmer_.group != changed[0])
+            dimmer_ = {changed[0], SquareByLevel(found->second.error_square), SquareByLevel(found->second.light_square), 0, 0, {}};
+        dimmer_.level = dimmer_.now = level_of_group(*stage_->scene, changed[0], *found->second.lit_in).value_or(0);
+        dimmer_.base = solution;
+        dimmer_.base.seconds = {};
+        dimmer_.error.add(dimmer_.level, std::pow(error_, 2) * guide_.reflected);
+        dimmer_.light.add(dimmer_.level, guide_.reflected);
+    }
+
+    /// The sum alone; false, and nothing done, where its error is not known or too large for these links.
+    bool dim_again(Solution& solution) {
+        const GroupLight& group = groups_.at(dimmer_.group);
+        const auto level = level_of_group(*stage_->scene, dimmer_.group, *group.lit_in);
+        if (!level) return false;
+        const auto error = dimmer_.error.at(*level), light = dimmer_.light.at(*level);
+        if (!error || !light || std::sqrt(*error) > kSettled * options.accuracy * std::sqrt(*light)) return false;
+        const double more = *level - dimmer_.level;
+        solution = sum_of_light(dimmer_.base, group.solution, more);
+        const double norm = std::sqrt(*light / sources_.area);
+        const double left = dimmer_.base.residual * std::sqrt(*dimmer_.light.at(dimmer_.level) / sources_.area) + std::abs(more) * group.residual;
+        solution.residual = norm > 0 ? left / norm : 0;
+        solution.estimated_error = std::hypot(*light > 0 ? std::sqrt(*error / *light) : 0, solution.residual);
+        solution.converged = solution.estimated_error <= options.accuracy;
+        solution.iterations = 0;
+        dimmer_.now = *level;
+        return true;
+    }
+
+    /// Gives the light field what sums have been told since.
+    void catch_up(const Scene& scene) {
+        if (dimmer_.now == dimmer_.level) return;
+        stage_->nodes.set_materials(scene);
+        stage_->field.add(groups_.at(dimmer_.group).irradiance, dimmer_.now - dimmer_.level);
+        stage_->field.relight();
+        dimmer_ = {};
     }
 
     /// Adds or takes away light of groups that are dimmed as a whole; false, and nothing done, where more than that differs.
-    bool dim(const Scene& before) {
+    bool dim(const Scene& before, const std::vector<std::uint32_t>& groups) {
         LightField<C>& field = stage_->field;
         std::vector<std::pair<std::uint32_t, double>> changes;
-        for (const std::uint32_t group : changed_groups(before, *stage_->scene)) {
+        for (const std::uint32_t group : groups) {
             const auto level = [&](const Scene& scene) { return level_of_group(scene, group, *groups_[group].lit_in); };
             const bool known = groups_.count(group) > 0 && level(before) && level(*stage_->scene);
-            if (!known) groups_[group] = light_of_group(group);
+            if (!known) groups_[group] = light_of_group(group), dimmer_ = {};
             const auto then = level(before), now = level(*stage_->scene);
             if (!then || !now) return false;
             changes.emplace_back(group, *now - *then);
@@ -302,13 +374,20 @@ class Engine : public ReusableSolver::State {
         stage_->nodes.set_materials(*before_);
         if (residual_.relative > goal) residual_ = iterate(field, goal, sources_.largest_reflectance, kMostSweeps);
         const std::vector<float> all = field.irradiance();
-        GroupLight light{shines(*before_, group) ? before_ : stage_->scene, {}, 0};
+        GroupLight light;
+        light.lit_in = shines(*before_, group) ? before_ : stage_->scene;
         stage_->nodes.set_materials(*light.lit_in);
         field.emit_only(group);
         field.extinguish();
         const Residual left = iterate(field, goal, sources_.largest_reflectance, kMostSweeps);
         light.irradiance = field.irradiance();
         light.residual = left.relative * field.reflected_norm();
+        store_light(stage_->nodes, field, {}, light.solution);
+        Guide guide = guide_;
+        field.fill(guide);
+        const double growth = closed() ? 1.0 : amplification(stage_->nodes, field, *stage_->outside);
+        light.error_square = std::pow(estimate_error(*set_, stage_->nodes, growth, {}, guide).whole, 2) * guide.reflected;
+        light.light_square = guide.reflected;
         field.emit_only(LightField<C>::kAllGroups);
         field.set_irradiance(all);
         field.relight();
@@ -317,6 +396,7 @@ class Engine : public ReusableSolver::State {
 
     /// The guides of the first round and of later ones, before retest.
     void begin_guides() {
+        sources_changed_ = false;
         const LightField<C>& field = stage_->field;
         stage_->field.fill_sources(schedule_.first);
         schedule_.first.error.assign(stage_->nodes.size(), 0.0f);
@@ -415,7 +495,7 @@ class Engine : public ReusableSolver::State {
         LightField<C>& field = stage_->field;
         const Nodes& nodes = stage_->nodes;
         const bool bounces = plan.on("interreflection"), follows = links != Links::None;
-        const double allowed = 0.99 * options.accuracy;  // a tenth is left to the iteration, added by squares
+        const double allowed = kSettled * options.accuracy;
         solution.accuracy = options.accuracy;
         double error = 0;
         // Rounds for single instances were spent when the scene was solved from scratch.
@@ -431,7 +511,7 @@ class Engine : public ReusableSolver::State {
             set_->round = static_cast<std::uint8_t>(std::max<std::size_t>(schedule_.rounds.size(), 1) - 1);
             const std::size_t before = nodes.size(), links_before = set_->links.size();
             const std::uint64_t rays_before = set_->rays;
-            if (!ready) groups_.clear();
+            if (!ready) groups_.clear(), dimmer_ = {};
             if (!ready) refine(*set_, stage_->nodes, guide_, *stage_->builder);
             if (!ready || links < Links::Swept) prepare_sweeps(follows);
             bool changed = nodes.size() != before || set_->links.size() != links_before || set_->rays != rays_before;
@@ -465,6 +545,7 @@ class Engine : public ReusableSolver::State {
             solution.seconds.iterate += seconds_since(start);
         }
         residual_ = residual;
+        error_ = error;
         lit_pending_ = lit_pending();
         solution.residual = residual.relative;
         solution.estimated_error = std::hypot(error, residual.relative);
@@ -494,6 +575,9 @@ class Engine : public ReusableSolver::State {
     std::shared_ptr<const Scene> before_;         // while materials change
     std::ptrdiff_t lit_pending_ = 0;              // when the last solve ended
     Residual residual_;                           // of the light as it is
+    double error_ = 0;                            // estimated, of the links alone
+    Dimmer dimmer_;
+    bool sources_changed_ = false;                // since begin_guides()
     double entering_ = 0;  // sum of A R^2 of light from outside, reflected once, W^2/m^2
     double first_seconds_ = 0;
     std::size_t links_at_first_ = 0, nodes_at_first_ = 0;
