@@ -471,7 +471,6 @@ class Engine : public ReusableSolver::State {
     void prepare_sweeps(bool follows) {
         LightField<C>& field = stage_->field;
         OutsideLight& outside = *stage_->outside;
-        field.grow();
         if (outside.any()) {
             outside.find(stage_->nodes);
             field.set_outside(outside.irradiance());
@@ -503,7 +502,6 @@ class Engine : public ReusableSolver::State {
         Residual residual{0, residual_.relative};
         HindSight hind_sight;
         for (const int first = round; round < kMostRounds; ++round) {
-            field.leave_unsent(follows ? kUnsent * options.accuracy : 0);
             const bool ready = follows && round == first;
             if (progress) progress("links", double(round) / kMostRounds);
             auto start = Clock::now();
@@ -513,6 +511,8 @@ class Engine : public ReusableSolver::State {
             const std::uint64_t rays_before = set_->rays;
             if (!ready) groups_.clear(), dimmer_ = {};
             if (!ready) refine(*set_, stage_->nodes, guide_, *stage_->builder);
+            field.grow();
+            field.leave_unsent(follows ? kUnsent * options.accuracy : 0);
             if (!ready || links < Links::Swept) prepare_sweeps(follows);
             bool changed = nodes.size() != before || set_->links.size() != links_before || set_->rays != rays_before;
             solution.seconds.links += seconds_since(start);
