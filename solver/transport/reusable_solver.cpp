@@ -4,12 +4,12 @@
 #include <chrono>
 #include <cmath>
 #include <map>
-#include <optional>
 #include <utility>
 
 #include "solver/transport/group_light.h"
 #include "solver/transport/iterate.h"
 #include "solver/transport/retest.h"
+#include "solver/transport/stage.h"
 
 namespace rro {
 namespace {
@@ -45,46 +45,6 @@ constexpr double kMostElements = 1.2;
 constexpr double kUnsent = 0.02;
 // Links may err by this part of the accuracy: a tenth is left to the iteration, added by squares.
 constexpr double kSettled = 0.99;
-
-/// What all passes of a solve stand on: made anew for every scene, from what there was.
-template <int C>
-struct Stage {
-    Stage(std::shared_ptr<const Scene> of, const Plan& plan, const TransportOptions& options)
-        : place(std::move(of)), scene(place), nodes(*scene), areas(nodes), field(nodes, areas) {
-        look(plan, options);
-    }
-    Stage(std::shared_ptr<const Scene> of, const Plan& plan, const TransportOptions& options, const Stage& before,
-          const UsedElements& used, const SceneChange& change)
-        : place(std::move(of)), scene(place), nodes(*scene), map(carry_nodes(before.nodes, used, change, nodes)), areas(nodes, &before.areas),
-          field(nodes, areas) {
-        look(plan, options);
-        field.take_over(before.field, map);
-    }
-
-    /// Instances stand elsewhere, as Nodes::move allows it.
-    void move(std::shared_ptr<const Scene> to, const Plan& plan, const TransportOptions& options, const std::vector<std::uint8_t>& moved) {
-        place = scene = std::move(to);
-        nodes.move(*scene, moved);
-        look(plan, options);
-    }
-
-    std::shared_ptr<const Scene> place;  // what rays and links refer to
-    std::shared_ptr<const Scene> scene;  // the same, or with the materials it has by now
-    Nodes nodes;
-    std::vector<std::uint32_t> map;  // [nodes before] their numbers
-    EndAreas areas;
-    LightField<C> field;
-    std::optional<SceneRays> rays;  // these three: made by look() at the scene as it stands
-    std::optional<LinkBuilder> builder;
-    std::optional<OutsideLight> outside;
-
-  private:
-    void look(const Plan& plan, const TransportOptions& options) {
-        rays.emplace(*scene);
-        builder.emplace(nodes, areas, *rays, options);
-        outside.emplace(*scene, plan, *builder, *rays, options);
-    }
-};
 
 /// Does one plan lead to the same passes as another?
 bool same_passes(const Plan& a, const Plan& b) {
