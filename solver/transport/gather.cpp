@@ -185,6 +185,7 @@ void LightField<C>::set_links(const std::vector<Link>& links) {
     for_each_passage([](Passage& p) {
         p.bins.reset();
         p.groups.reset();
+        std::fill(p.from_bins.begin(), p.from_bins.end(), 0.0f);  // faces may have no bins above them any more
         p.whole = true;
     });
     scalar_row_.assign(nodes_.size(), {});
