@@ -187,7 +187,7 @@ void warn_of_import(BuildOutcome& outcome, const BuildPlan& plan, std::uint32_t 
     warn(r.dropped_not_finite, "dropped: a corner is not a finite number");
     warn(r.dropped_degenerate, "dropped: no area");
     warn(dropped_by_rounding, "dropped: no area in single precision");
-    warn(r.duplicate_triangles, "lie exactly on others");
+    warn(r.duplicate_triangles, r.duplicate_triangles == 1 ? "dropped: lies exactly on another" : "dropped: lie exactly on others");
     if (r.ignored_faces > 0)
         outcome.warnings.push_back(std::to_string(r.ignored_faces) + " faces ignored: fewer than three corners");
     if (r.reflectance_clamped > 0)

@@ -33,7 +33,8 @@ void for_each_run(const ObjectData& object, const DirectionImage& image, const V
     const ImageFrame frame = image.frame();
     const PlacedVertices vertices = place(object.positions, frame, image.resolution);
     for (const std::uint32_t t : across_rows(object.triangles, vertices.row)) {
-        const auto& [a, b, c] = object.triangles[t];
+        const TriangleIndices& corners = object.triangles[t];
+        const std::uint32_t a = corners[0], b = corners[1], c = corners[2];
         const std::array at{vertices.at[a], vertices.at[b], vertices.at[c]};
         const ImagePoint ab{at[1].x - at[0].x, at[1].y - at[0].y}, ac{at[2].x - at[0].x, at[2].y - at[0].y};
         const double turn = ab.x * ac.y - ab.y * ac.x;  // positive where the corners run counter-clockwise

@@ -347,13 +347,13 @@ Status GltfReader::add_primitive(const tinygltf::Primitive& primitive, const Aff
     const auto first = static_cast<std::uint32_t>(mesh_.positions.size());
     for (std::size_t i = 0; i + 2 < p.size(); i += 3)
         mesh_.positions.push_back(transform.point({p[i], p[i + 1], p[i + 2]}));
-    const auto vertices = static_cast<double>(p.size() / 3);
+    const std::size_t vertices = p.size() / 3;
     const bool mirrored = transform.linear.determinant() < 0;
     for (auto corners : triangles_of(mode, data->order.size())) {
         if (mirrored) std::swap(corners[1], corners[2]);
         for (const std::size_t corner : corners) {
             const double index = data->order[corner];
-            if (!(index >= 0 && index < vertices && index == std::floor(index)))
+            if (!(index >= 0 && index < static_cast<double>(vertices) && index == std::floor(index)))
                 return bad_input(where,
                                  "vertex " + std::to_string(index) + ", but there are " + std::to_string(p.size() / 3));
             add_corner(*data, first, static_cast<std::size_t>(index));

@@ -113,11 +113,10 @@ Result<std::uint32_t> GltfMaterials::decoded(int number) {
     const auto known = texture_index_.find(number);
     if (known != texture_index_.end()) return known->second;
     auto texture = image(number);
-    Result<std::uint32_t> index = static_cast<std::uint32_t>(mesh_.textures.size());
-    if (texture) mesh_.textures.push_back(*std::move(texture));
-    if (!texture) index = texture.error();
-    texture_index_.emplace(number, index);
-    return index;
+    if (!texture) return texture_index_.emplace(number, texture.error()).first->second;
+    const auto index = static_cast<std::uint32_t>(mesh_.textures.size());
+    mesh_.textures.push_back(*std::move(texture));
+    return texture_index_.emplace(number, index).first->second;
 }
 
 Result<Texture> GltfMaterials::image(int number) const {

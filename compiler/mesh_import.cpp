@@ -131,14 +131,6 @@ Status check_extent(const SourceMesh& source, const std::vector<KeptTriangle>& t
     return Done{};
 }
 
-/// Triangles with the corners of an earlier one, in whatever order.
-std::uint32_t count_duplicates(std::vector<TriangleIndices> triangles) {
-    for (TriangleIndices& corners : triangles) std::sort(corners.begin(), corners.end());
-    std::sort(triangles.begin(), triangles.end());
-    const auto distinct = std::unique(triangles.begin(), triangles.end()) - triangles.begin();
-    return static_cast<std::uint32_t>(triangles.size() - static_cast<std::size_t>(distinct));
-}
-
 /// Takes those without an area out and returns them.
 std::vector<KeptTriangle> drop_degenerate(const SourceMesh& source, std::vector<KeptTriangle>& triangles,
                                           ImportReport& report) {
@@ -177,7 +169,6 @@ void fill_triangles(const SourceMesh& source, const std::vector<KeptTriangle>& t
         mesh.source_triangle.push_back(triangle.number);
     }
     report.welded_vertices = vertices - static_cast<std::uint32_t>(mesh.positions.size());
-    report.duplicate_triangles = count_duplicates(mesh.triangles);
     for (const KeptTriangle& triangle : dropped) {
         TriangleIndices corners;
         for (std::size_t i = 0; i < 3; ++i) corners[i] = index[welded[source.corners[triangle.corners[i]]]];

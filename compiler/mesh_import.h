@@ -39,7 +39,7 @@ struct ImportReport {
     std::uint32_t dropped_not_finite = 0;      // a corner is NaN or infinite
     std::uint32_t dropped_degenerate = 0;      // repeated corner or no area
     std::uint32_t ignored_faces = 0;           // of fewer than three corners; they have no triangles
-    std::uint32_t duplicate_triangles = 0;     // kept ones with the same corners as an earlier one, either way round
+    std::uint32_t duplicate_triangles = 0;      // lie exactly on an earlier one, by decide_sides (mesh_duplicates.h)
     std::uint32_t welded_vertices = 0;         // vertices in use at the very place of an earlier one
     std::uint32_t polygons_triangulated = 0;   // faces of more than three corners
     std::uint32_t polygons_ear_clipped = 0;    // of those, not convex and planar
@@ -63,7 +63,8 @@ struct ImportedMesh {
     std::vector<std::filesystem::path> files;       // the mesh first; for depfiles
 };
 
-/// Reads one mesh; numbering, materials, units as the contract says. Drops bad triangles and counts them.
+/// Reads one mesh, in metres and y up. Triangles are numbered in the order of the file, those of a polygon one after the other,
+/// before bad ones are dropped and counted.
 ///
 /// errors   BadInput naming the file (and line or index): missing, unreadable, unknown ending, broken, an index out of
 ///          range, no triangle with an area, beyond a limit
@@ -72,7 +73,8 @@ Result<ImportedMesh> import_mesh(const std::filesystem::path& path, const Import
 /// Decides per triangle whether it is two-sided, by the OpenMesh structure over welded positions: with Auto, closed and
 /// consistently wound components are one-sided as wound, everything else is two-sided. With fix_winding, orientable
 /// components are made consistent and closed ones outward, and turned triangles are counted.
-/// (Duplicate or non-manifold faces make a component two-sided, never an error.)
+/// (Non-manifold faces make a component two-sided, never an error.) Duplicates are dropped and counted: those that look the
+/// same way before, those that lie on another two-sided triangle afterwards.
 void decide_sides(Mesh& mesh, TwoSided mode, bool fix_winding, ImportReport& report);
 
 }  // namespace rro

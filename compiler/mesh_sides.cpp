@@ -8,6 +8,7 @@
 #include <span>
 #include <tuple>
 
+#include "compiler/mesh_duplicates.h"
 #include "compiler/mesh_import.h"
 #include "compiler/mesh_weld.h"
 
@@ -262,6 +263,8 @@ std::vector<bool> fix_winding_of(Surface& surface, const std::vector<Edge>& edge
 }  // namespace
 
 void decide_sides(Mesh& mesh, TwoSided mode, bool fix_winding, ImportReport& report) {
+    mesh.two_sided.clear();
+    report.duplicate_triangles = drop_duplicates(mesh);
     Surface surface(mesh);
     std::vector<Edge> edges = sorted_edges(surface);
     std::uint32_t count = 0;
@@ -284,14 +287,14 @@ void decide_sides(Mesh& mesh, TwoSided mode, bool fix_winding, ImportReport& rep
     });
     report.closed_components = static_cast<std::uint32_t>(std::count(closed.begin(), closed.end(), true));
     mesh.closed = report.components > 0 && report.closed_components == report.components;
-    mesh.two_sided.clear();
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
         const bool two_sided = mode == TwoSided::Yes || (mode == TwoSided::Auto && !closed[component[t]]);
         mesh.two_sided.push_back(two_sided ? 1 : 0);
     }
+    report.duplicate_triangles += drop_duplicates(mesh);
     report.two_sided_triangles =
         static_cast<std::uint32_t>(std::count(mesh.two_sided.begin(), mesh.two_sided.end(), std::uint8_t{1}));
-    report.one_sided_triangles = static_cast<std::uint32_t>(kept) - report.two_sided_triangles;
+    report.one_sided_triangles = static_cast<std::uint32_t>(mesh.triangles.size()) - report.two_sided_triangles;
 }
 
 }  // namespace rro

@@ -103,11 +103,21 @@ class Growth {
         std::erase_if(patches_, [](const auto& p) { return p.empty(); });
         join_dust();
         std::erase_if(patches_, [](const auto& p) { return p.empty(); });
-        for (auto& patch : patches_) std::sort(patch.begin(), patch.end());
+        for (auto& patch : patches_) sort_along_curve(patch);
         return std::move(patches_);
     }
 
   private:
+    /// So that a part of a patch is a row of its faces.
+    void sort_along_curve(std::vector<std::uint32_t>& patch) const {
+        std::sort(patch.begin(), patch.end());
+        std::vector<Vec3> centres;
+        for (const std::uint32_t f : patch) centres.push_back(centre_[f]);
+        std::vector<std::uint32_t> sorted;
+        for (const std::uint32_t i : morton_order(centres)) sorted.push_back(patch[i]);
+        patch = std::move(sorted);
+    }
+
     std::span<const std::uint32_t> neighbours(std::uint32_t face) const {
         return std::span(adjacency_.neighbour)
             .subspan(adjacency_.first[face], adjacency_.first[face + 1] - adjacency_.first[face]);

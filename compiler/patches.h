@@ -17,7 +17,7 @@ struct PatchLimits {
 
 /// P patches that share out all faces of a surface: patch p holds faces[first[p] .. first[p + 1]).
 struct PatchGroups {
-    std::vector<std::uint32_t> faces;  // [F] numbers of surface faces, ascending within a patch
+    std::vector<std::uint32_t> faces;  // [F] numbers of surface faces, within a patch along a Morton curve
     std::vector<std::uint32_t> first;  // [P + 1]
 
     std::size_t size() const { return first.size() - 1; }

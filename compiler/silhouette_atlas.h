@@ -1,4 +1,4 @@
-// The silhouette of the object from many directions: what part of a shaft of light it blocks (design 4.4).
+// The silhouette of the object from many directions: what part of a shaft of light it blocks.
 #pragma once
 
 #include <cstdint>

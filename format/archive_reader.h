@@ -1,4 +1,4 @@
-// File -> verified archive -> views in place.
+// File -> verified archive -> views in place. samples/programs/object_facts.cpp shows it.
 #pragma once
 
 #include <cstddef>
@@ -33,7 +33,8 @@ class Archive {
     ///          found and expected
     static Result<Archive> open(const std::filesystem::path& path, SectionSet wanted = SectionSet::all());
 
-    /// The same from bytes at hand; `name` stands in error messages.
+    /// The same from bytes at hand, which it keeps; `name` stands in error messages.
+    /// errors   as open
     static Result<Archive> from_bytes(std::vector<std::byte> bytes, const std::string& name,
                                       SectionSet wanted = SectionSet::all());
 
@@ -41,7 +42,10 @@ class Archive {
     Archive& operator=(Archive&&) noexcept;
     ~Archive();
 
+    /// What the sections hold that were wanted: views into the archive, valid as long as it (a move keeps them valid).
+    /// Metres, in the archive's frame; tables as object_data.h says.
     const ObjectData& data() const;
+    /// The directions of the tables: `meta.grid_size` by as many.
     const DirectionGrid& grid() const;
     const std::vector<SectionInfo>& sections() const;  // all in the file, in its order
     std::uint64_t file_bytes() const;

@@ -319,7 +319,7 @@ double point_to_polygon_above(const Vec3& p, const Vec3& n, std::span<const Vec3
     const std::size_t count = polygon.size();
     Four sum{};
     for (std::size_t first = 0; first < count; first += 4) {
-        FourVec3 from, to;
+        FourVec3 from{}, to{};
         for (std::size_t lane = 0; lane < 4; ++lane) {  // the contour closes; what fills up has no length
             const Vec3 a = polygon[first + lane < count ? first + lane : 0] - p;
             const Vec3 b = polygon[first + lane + 1 < count ? first + lane + 1 : 0] - p;

@@ -1,5 +1,5 @@
 // Self links: which clusters of one object exchange light with one another, how much, and what the object itself hides.
-// Geometry and own visibility only, so an archive holds them (design 3.8) and every instance uses them.
+// Geometry and own visibility only, so an archive holds them and every instance uses them.
 //
 // The pairs form a tree. It starts with the whole object against itself and ends in links, or in pairs that cannot see
 // one another. Stored is what happens to each pair, in preorder; a pair's clusters follow from the way to it:

@@ -34,7 +34,7 @@ struct Work {
 
 /// One line of the effect plan.
 struct EffectPlan {
-    std::string name;      // contracts: emitters interreflection occlusion self colour ...
+    std::string name;      // emitters interreflection occlusion self colour ...
     bool on = false;
     std::string reason;
     double seconds = 0;    // actual work, after the solve

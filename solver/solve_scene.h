@@ -31,22 +31,29 @@ struct SolveOptions {
     VisibilityMethod visibility = VisibilityMethod::Auto;
     std::uint32_t samples = 0;  // per face, for the reference; 0: as many as the accuracy needs
     std::uint64_t seed = 1;
-    EffectOverrides overrides;
+    EffectOverrides overrides = {};
     std::optional<Transport> transport = {};  // for the reusable method only; directional where not given
     std::uint64_t memory = std::uint64_t{8} << 30;  // bytes that the hierarchical method may use for links and elements
     double far_factor = TransportOptions{}.far_factor;  // the five-times rule, of the reusable method
 };
 
-/// errors   Usage: not a name of the contract, or not supported by this version (lists those that are)
+/// The values of --method, --transport and --visibility.
+/// errors   Usage: no such name (lists those there are)
 Result<Method> parse_method(std::string_view name);
 Result<Transport> parse_transport(std::string_view name);
 Result<VisibilityMethod> parse_visibility(std::string_view name);
 
 /// Plans the effects and solves. What `overrides` take out of the radiometry has left the scene before (leave_out).
 ///
-/// returns  the solution with effects, warnings and the seconds of plan and solve (those of load and output are the
-///          caller's; total is plan and solve)
-/// errors   Usage: effects as in plan_effects; options that the method does not know; those of the solvers
+/// scene     open with the sections that the method needs: kGeometry; for the reusable one kTables and
+///           sections_of(options.visibility) besides (open_scene has refused archives that lack them)
+/// progress  may be empty
+/// returns   radiosity and irradiance of every face in W/m^2, instances as in the scene; effects, warnings, and the seconds of
+///           plan and solve (those of load and output are the caller's; total is plan and solve). `converged` is false where
+///           the accuracy was not reached; the solution is there all the same
+/// errors    Usage: effects as in plan_effects; options that the method does not know. Failed: the hierarchical method needs
+///           more memory than options.memory
+/// source    the reusable method: Paper; the others: their headers in solver/study
 Result<Solution> solve_scene(const Scene& scene, const SolveOptions& options, const Progress& progress = {});
 
 /// The same for a scene that changes: what an edit leaves as it is stays solved (the reusable method, directional). Not

@@ -1,5 +1,5 @@
 # Holds the arrows of the house: format includes nothing of the other two; compiler and solver include format, never
-# each other; OpenMesh, Embree and JSON stay out of headers and in their own folder.
+# each other; the solver's folders follow their order; OpenMesh, Embree and JSON stay out of headers and in their own folder.
 # Run: cmake -DROOT=<repository> -P check_includes.cmake
 set(faults 0)
 
@@ -16,6 +16,15 @@ endfunction()
 forbid(format "compiler/|solver/" "format depends on neither program")
 forbid(compiler "solver/" "the compiler does not see the solver")
 forbid(solver "compiler/" "the solver does not see the compiler")
+# Folders of the solver in the order of solver/README.md: each uses only those before it.
+set(later scene effects visibility transport output factors study edit tradeoff)
+while(later)
+  list(POP_FRONT later folder)
+  list(JOIN later "|" names)
+  if(names)
+    forbid(solver/${folder} "solver/(${names})/" "a folder uses only those above it in solver/README.md")
+  endif()
+endwhile()
 forbid(solver "OpenMesh" "only the compiler sees OpenMesh")
 foreach(folder compiler solver)
   forbid(${folder} "embree" "only format/rays sees Embree")

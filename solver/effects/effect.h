@@ -1,11 +1,13 @@
 // The effect plan: which effects a scene calls for, and why, decided before any work.
 #pragma once
 
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "format/result.h"
+#include "solver/effects/built_in.h"
 #include "solver/scene/scene.h"
 #include "solver/solution.h"
 
@@ -17,8 +19,12 @@ struct Plan {
     std::vector<std::string> warnings;  // overrides that change the result
     int channels = 3;                   // 1 where everything is grey
 
-    bool on(std::string_view name) const;
+    /// Is it called for, and part of this build?
+    bool on(std::string_view name) const { return is_built(name) && called_for(name); }
     EffectPlan& operator[](std::string_view name);
+
+  private:
+    bool called_for(std::string_view name) const;
 };
 
 /// Effects switched by hand: --with, --without.
@@ -27,7 +33,11 @@ struct EffectOverrides {
 };
 
 /// errors   Usage: an effect that does not exist (lists those that do), or one both with and without
+///          BadInput, naming the manifest: as all_built
 Result<Plan> plan_effects(const Scene& scene, const EffectOverrides& overrides);
+
+/// errors   BadInput: an effect is on that is not among `built`, those of a build
+Status all_built(const Plan& plan, std::span<const std::string_view> built, const std::string& manifest);
 
 /// Takes out of the scene what is switched off by hand: emitters (no surface emits), textures (materials have their
 /// mean), colour (every channel is the mean of the three), sky, sun, lights, transmission, medium, light groups (one for

@@ -46,7 +46,7 @@ void apply(const EffectOverrides& overrides, Plan& plan) {
 
 }  // namespace
 
-bool Plan::on(std::string_view name) const {
+bool Plan::called_for(std::string_view name) const {
     return std::any_of(effects.begin(), effects.end(), [&](const EffectPlan& e) { return e.on && e.name == name; });
 }
 
@@ -57,11 +57,20 @@ EffectPlan& Plan::operator[](std::string_view name) {
     return *found;
 }
 
+Status all_built(const Plan& plan, std::span<const std::string_view> built, const std::string& manifest) {
+    for (const EffectPlan& effect : plan.effects)
+        if (effect.on && std::find(built.begin(), built.end(), effect.name) == built.end())
+            return bad_input(manifest, "calls for " + effect.name + " (" + effect.reason + "), which this build leaves out",
+                             "use a build that has it (-DRRO_EFFECTS), or leave it out with --without " + effect.name);
+    return Done{};
+}
+
 Result<Plan> plan_effects(const Scene& scene, const EffectOverrides& overrides) {
     if (auto names = check_names(overrides); !names) return names.error();
     Plan plan;
     plan.effects = called_for(scene);
     apply(overrides, plan);
+    if (auto built = all_built(plan, kChosenEffects, scene.manifest.path.string()); !built) return built.error();
     plan.channels = plan.on("colour") ? 3 : 1;
     return plan;
 }

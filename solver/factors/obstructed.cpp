@@ -62,6 +62,19 @@ struct Blocker {
     double radius = 0;
 };
 
+// Corners of doubles nearer than this part of their coordinates are one.
+constexpr double kOnePlace = 0x1p-49;
+
+/// Clipping where an edge runs in the plane leaves corners a rounding apart, or at one place: an edge between them has no
+/// direction, and a plane through it hides nothing or anything.
+void drop_short_edges(std::vector<Vec3>& corners) {
+    double largest = 0;
+    for (const Vec3& c : corners) largest = std::max({largest, std::abs(c.x), std::abs(c.y), std::abs(c.z)});
+    const auto same = [&](const Vec3& a, const Vec3& b) { return length(b - a) <= kOnePlace * largest; };
+    corners.erase(std::unique(corners.begin(), corners.end(), same), corners.end());
+    while (corners.size() > 1 && same(corners.back(), corners.front())) corners.pop_back();
+}
+
 /// What a point sees of b: all of it, less what each blocker hides of what the ones before it have left.
 class Integrand {
   public:
@@ -73,7 +86,8 @@ class Integrand {
             clip_to_front(blocker->corners, a.normal, a.offset, part);
             if (part.empty()) continue;
             clip_to_front(part, b.normal, b.offset, rest);
-            if (rest.empty()) continue;
+            drop_short_edges(rest);
+            if (rest.size() < 3) continue;
             Blocker between{rest, blocker->normal, {}, 0};
             for (const Vec3& c : rest) between.centre += c / static_cast<double>(rest.size());
             for (const Vec3& c : rest) between.radius = std::max(between.radius, length(c - between.centre));

@@ -1,4 +1,4 @@
-// A row of factors by rays: for groups of so many polygons that pairs of them cannot be looked at one by one.
+// Factors by rays, a row or a pair at a time: for groups of so many polygons that pairs of them cannot be looked at one by one.
 #pragma once
 
 #include <cstdint>
@@ -32,5 +32,19 @@ struct RayScene {
 /// returns  converged is false where the largest sets (2^20 points) do not get there
 SampledRow sampled_row(const RayScene& scene, std::uint32_t group, std::span<const std::uint32_t> wanted,
                        double accuracy);
+
+struct SampledPair {
+    double factor = 0;
+    double standard_error = 0;  // as above
+    std::uint64_t rays = 0;
+};
+
+/// Are both farther from one another than either is large? Then sampled_pair needs a fraction of sampled_row's rays, the
+/// fewer the smaller the factor.
+bool lie_apart(const Box3& a, const Box3& b);
+
+/// The factor between two groups that lie apart: points spread over both by area, in as many sets, a ray between each two that
+/// face one another. The estimate of the opposite direction is independent.
+SampledPair sampled_pair(const RayScene& scene, std::uint32_t from, std::uint32_t to, double accuracy);
 
 }  // namespace rro

@@ -154,22 +154,34 @@ void complete_row(const OpenPairs& open, const Unchanged& unchanged, std::uint32
 }
 
 /// Traces the rays of a row that has pairs for them, and adds what they find to the row and to the pairs.
-void sample_row(const RayScene& scene, const OpenPairs& open, std::uint32_t i, FactorTable& table, FactorRow& row) {
-    std::vector<std::uint32_t> wanted;
-    for (const GroupPair* pair : open.of_row[i])
-        if (pair->sampled) wanted.push_back(pair->from == i ? pair->to : pair->from);
-    if (wanted.empty()) return;
-    const SampledRow found = sampled_row(scene, i, wanted, table.options.accuracy);
+void sample_row(const PairWork& work, const RayScene& scene, const OpenPairs& open, std::uint32_t i, FactorTable& table, FactorRow& row) {
+    const auto other = [&](const GroupPair& pair) { return pair.from == i ? pair.to : pair.from; };
+    std::vector<std::uint32_t> near;
+    std::vector<GroupPair*> wanted;
     for (GroupPair* pair : open.of_row[i]) {
         if (!pair->sampled) continue;
-        const std::uint32_t to = pair->from == i ? pair->to : pair->from;
-        row.push_back({to, static_cast<float>(found.standard_error[to]), found.factor[to]});
-        (pair->from == i ? pair->there : pair->back) = found.factor[to] * table.area[i];
+        wanted.push_back(pair);
+        if (!lie_apart(work.boxes[i], work.boxes[other(*pair)])) near.push_back(other(*pair));
+    }
+    if (wanted.empty()) return;
+    const double accuracy = table.options.accuracy;
+    SampledRow found;
+    if (!near.empty()) found = sampled_row(scene, i, near, accuracy);
+    table.counts.rays += found.rays;
+    for (GroupPair* pair : wanted) {
+        const std::uint32_t to = other(*pair);
+        SampledPair one;
+        if (std::binary_search(near.begin(), near.end(), to))
+            one = {found.factor[to], found.standard_error[to], 0};
+        else
+            one = sampled_pair(scene, i, to, accuracy);
+        row.push_back({to, static_cast<float>(one.standard_error), one.factor});
+        (pair->from == i ? pair->there : pair->back) = one.factor * table.area[i];
         if (pair->from == pair->to) pair->back = pair->there;
-        table.counts.missed += found.standard_error[to] > 0.5 * table.options.accuracy * std::max(found.factor[to], 0.01);
+        table.counts.missed += one.standard_error > 0.5 * accuracy * std::max(one.factor, 0.01);
+        table.counts.rays += one.rays;
     }
     table.counts.sampled += wanted.size();
-    table.counts.rays += found.rays;
     std::sort(row.begin(), row.end(), [](const Factor& a, const Factor& b) { return a.to < b.to; });
 }
 
@@ -278,7 +290,7 @@ Result<FactorTable> view_factors(const Scene& scene, const FactorOptions& option
         std::vector<FactorRow> rows = block_of_rows(work, open, unchanged, first, end, steps);
         for (std::uint32_t i = first; i < end; ++i) {
             if (rays) {
-                sample_row({scene, *groups, surfaces, *rays, options.sides}, open, i, table, rows[i - first]);
+                sample_row(work, {scene, *groups, surfaces, *rays, options.sides}, open, i, table, rows[i - first]);
                 steps.add(1);
             }
             meter.add_row(rows[i - first]);

@@ -11,7 +11,7 @@
 
 namespace rro {
 
-/// Radiosity CSV (contracts: Results): means over each source triangle, rows in manifest order, then source number.
+/// Radiosity CSV: means over each source triangle, rows in manifest order, then source number.
 Status write_radiosity_csv(const Scene& scene, const Solution& solution, const std::filesystem::path& path);
 
 /// report.json (schemas/report.schema.json). memory_peak_bytes is read here.

@@ -10,6 +10,7 @@
 #include "format/archive_reader.h"
 #include "format/rays/object_rays.h"
 #include "format/self_links.h"
+#include "solver/effects/built_in.h"
 #include "solver/scene/lights.h"
 #include "solver/scene/manifest.h"
 
@@ -47,8 +48,12 @@ struct Instance {
 
     const ObjectData& data() const { return object->data(); }
 
-    Rgb transmittance_of(std::size_t patch) const { return transmittance.empty() ? Rgb{} : transmittance[patch]; }
-    std::uint32_t light_group_of(std::size_t patch) const { return light_group.empty() ? 0 : light_group[patch]; }
+    Rgb transmittance_of(std::size_t patch) const {
+        return !built_in("transmission") || transmittance.empty() ? Rgb{} : transmittance[patch];
+    }
+    std::uint32_t light_group_of(std::size_t patch) const {
+        return !built_in("groups") || light_group.empty() ? 0 : light_group[patch];
+    }
 
     /// World corners, counter-clockwise as seen from the face's side, also where the transform mirrors.
     TriangleCorners world_corners(Face face) const {

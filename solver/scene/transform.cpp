@@ -6,7 +6,7 @@
 namespace rro {
 namespace {
 
-constexpr double kLargestCondition = 1e9;  // contracts: beyond it, double precision no longer separates the sides
+constexpr double kLargestCondition = 1e9;  // beyond it, double precision no longer separates the sides
 
 double largest_entry(const Mat3& m) {
     double largest = 0;

@@ -32,7 +32,7 @@ struct Truth {
 /// scene    with Section::Source
 Truth truth_of(const Scene& scene, const Solution& reference);
 
-/// The columns of a radiosity CSV (contracts: Results) without irradiance, and `back_stderr_*` at the end.
+/// The columns of a radiosity CSV (output.h) without irradiance, and `back_stderr_*` at the end.
 Status write_truth(const Truth& truth, const std::filesystem::path& path);
 
 /// Reads that, or the CSV that `rro-solve run --method reference --radiosity` writes: it says nothing of the standard errors of

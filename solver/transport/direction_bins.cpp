@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "format/parallel.h"
+#include "solver/transport/channels.h"
 
 namespace rro {
 
@@ -64,6 +65,19 @@ ObjectTables::ObjectTables(const ObjectData& data, const DirectionGrid& grid)
             visibility[p * stride + k] = static_cast<float>(data.visibility[p * d_count + k]) / 255.0f;
         }
     });
+    mixed.assign(data.clusters.size(), 0);
+    if (data.meta.closed) {
+        std::vector<std::uint32_t> seen(p_count + 1, 0);
+        for (std::size_t p = 0; p < p_count; ++p) {
+            const auto row = data.visibility.subspan(p * d_count, d_count);
+            seen[p + 1] = seen[p] + (std::any_of(row.begin(), row.end(), [](std::uint8_t v) { return v > 0; }) ? 1 : 0);
+        }
+        for (std::size_t c = 0; c < mixed.size(); ++c) {
+            const Cluster& cluster = data.clusters[c];
+            const std::uint32_t count = seen[cluster.first_patch + cluster.patch_count] - seen[cluster.first_patch];
+            mixed[c] = count > 0 && count < cluster.patch_count;
+        }
+    }
     area_row.assign(data.clusters.size(), kNoNode);
     for (std::size_t k = 0; k < data.area_clusters.size(); ++k)
         area_row[data.area_clusters[k]] = static_cast<std::uint32_t>(k);
@@ -113,6 +127,10 @@ EndAreas::EndAreas(const Nodes& nodes, const EndAreas* before) : nodes_(nodes) {
     for (const Instance& instance : scene.instances)
         for (std::size_t o = 0; o < scene.objects.size(); ++o)
             if (scene.objects[o].get() == instance.object) of_instance_.push_back(tables_[o].get());
+}
+
+bool EndAreas::mixed(const Node& node) const {
+    return !node.group() && node.kind != NodeKind::Surface && of_instance_[node.instance]->mixed[node.index] != 0;
 }
 
 bool EndAreas::has_outside(const Node& node) const {
@@ -358,8 +376,7 @@ void DirectionBins<C>::splat(std::uint32_t id, EndMode mode, const Vec3& u, doub
     const std::uint32_t r = row(mode, node);
     face.arrived[r] = 1;
     float* plane = &face.incoming[r * kIncoming * state.stride];
-    float strength = 0;
-    for (std::size_t c = 0; c < C; ++c) strength += h[c];
+    const float strength = mean_of(h);
     const std::array<float, 4> shared{static_cast<float>(u.x) * strength, static_cast<float>(u.y) * strength,
                                       static_cast<float>(u.z) * strength,
                                       static_cast<float>(inverse_distance) * strength};
@@ -392,8 +409,7 @@ void DirectionBins<C>::push_terminal(std::uint32_t i, std::uint32_t t, EndMode m
         }
         const Vec3 x = nodes_[terminal].centre - nodes_[face.nodes[r]].centre;
         for (std::size_t k = 0; k < grid.size(); ++k) {
-            float strength = 0;
-            for (std::size_t c = 0; c < C; ++c) strength += plane[c * stride + k];
+            const float strength = mean_over<C>([&](std::size_t c) { return plane[c * stride + k]; });
             if (!(strength > 0)) continue;
             const Vec3 mean{plane[C * stride + k], plane[(C + 1) * stride + k], plane[(C + 2) * stride + k]};
             const Arrival at_terminal = translated(mean, strength, plane[(C + 3) * stride + k], x);
@@ -459,7 +475,9 @@ void DirectionBins<C>::push_terminal(std::uint32_t i, std::uint32_t t, EndMode m
         }
         // Faces that look nearly one way share one irradiance vector and meet it with their own cosines.
         float lanes[3 * C][kLanes] = {};
-        const Vec3 mean = nodes_[nodes_[in.first_face + patch.first_face].parent].normal();
+        std::uint32_t whole = nodes_[in.first_face + patch.first_face].parent;
+        while (nodes_[whole].part()) whole = nodes_[whole].parent;
+        const Vec3 mean = nodes_[whole].normal();
         for (const std::size_t k : lit) {
             float weight[kLanes];
             weigh(mean, k, weight, false);
@@ -487,8 +505,9 @@ void DirectionBins<C>::find_arrived(Face& face, std::size_t stride, double toler
         if (!face.arrived[r]) continue;
         const float *now = &face.incoming[r * plane], *then = &face.pushed[r * plane];
         double change = 0;
-        for (std::size_t k = 0; k < C * stride; ++k) change += std::abs(double(now[k]) - double(then[k]));
-        face.arrived[r] = change > C * tolerance;
+        for (std::size_t k = 0; k < stride; ++k)
+            change += mean_over<C>([&](std::size_t c) { return std::abs(double(now[c * stride + k]) - double(then[c * stride + k])); });
+        face.arrived[r] = change > tolerance;
         if (face.arrived[r]) std::copy_n(now, plane, &face.pushed[r * plane]);
     }
 }

@@ -39,6 +39,7 @@ struct ObjectTables {
     std::vector<double> face_area_sum;   // [F + 1] running sum of local face areas, for sampling points
     std::vector<float> whole_share;      // [K * D] whole area over the sum of A max(0, n . w) of the cluster's faces
     std::vector<float> intrinsic_share;  // [K * D] the same of the intrinsic area
+    std::vector<std::uint8_t> mixed;     // [C] closed objects: 1 where a cluster has patches that are seen from outside and such as are not
 
     explicit ObjectTables(const ObjectData& data, const DirectionGrid& grid);
 };
@@ -62,6 +63,10 @@ class EndAreas {
 
     /// As the archive measured it, off the grid.
     TableError table_error(const Node& node, EndMode mode) const;
+
+    /// Does the node hold both sides of its closed object's walls? What one side receives the other does not, and only whole
+    /// objects' tables tell them apart.
+    bool mixed(const Node& node) const;
 
     /// Does the archive hold what an Outside end at this node needs? Groups need nothing of their own.
     bool has_outside(const Node& node) const;

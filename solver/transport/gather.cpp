@@ -4,6 +4,7 @@
 #include <type_traits>
 
 #include "format/parallel.h"
+#include "solver/transport/channels.h"
 #include "solver/transport/flat_light.h"
 
 namespace rro {
@@ -12,6 +13,14 @@ namespace {
 
 constexpr std::size_t kGrain = 256;  // receivers per parallel chunk
 constexpr std::size_t kBatch = 1 << 16;  // links made ready at a time
+
+constexpr float kClose = 0.5f;      // own links below that are no sign of something close; a row beyond 1 is noise
+constexpr float kMostRow = 1.05f;  // rows that are a little above 1 are as many as those a little below
+
+/// What is left of what a surface inherits where its own links bring so much that something hides the rest.
+float bounded_scale(float own, float inherited) {
+    return own > kClose && inherited > 0 && own + inherited > kMostRow ? std::max(0.0f, 1 - own) / inherited : 1.0f;
+}
 
 template <int C>
 float component(const Rgb& rgb, std::size_t c) {
@@ -70,7 +79,7 @@ float LightField<C>::exitance(std::uint32_t surface, std::size_t c) const {
     const Node& n = nodes_[surface];
     const Instance& instance = nodes_.scene().instances[n.instance];
     const std::uint32_t patch = nodes_.patch_of(n);
-    if (light_group_ != kAllGroups && instance.light_group_of(patch) != light_group_) return 0;
+    if (built_in("groups") && light_group_ != kAllGroups && instance.light_group_of(patch) != light_group_) return 0;
     return component<C>(instance.exitance[patch], c);
 }
 
@@ -101,7 +110,7 @@ void LightField<C>::grow() {
 template <int C>
 float LightField<C>::sources(std::uint32_t surface, std::size_t c) const {
     const float emitted = exitance(surface, c);
-    return outside_.empty() ? emitted : emitted + reflectance(surface, c) * component<C>(outside_[surface], c);
+    return !lit_from_outside() ? emitted : emitted + reflectance(surface, c) * component<C>(outside_[surface], c);
 }
 
 template <int C>
@@ -110,11 +119,11 @@ void LightField<C>::begin() {
         for_each_leaf(i, [&](std::uint32_t id) {
             for (std::size_t c = 0; c < C; ++c) {
                 radiosity_[id * C + c] = sources(id, c);
-                irradiance_[id * C + c] = outside_.empty() ? 0 : component<C>(outside_[id], c);
+                irradiance_[id * C + c] = !lit_from_outside() ? 0 : component<C>(outside_[id], c);
             }
         });
         pull_instance(i);
-        if (!other_side_[i].empty()) transmit(i), pull_instance(i);
+        if (transmits(i)) transmit(i), pull_instance(i);
     }
     pull_groups();
     push_all_ = true;
@@ -260,7 +269,7 @@ void LightField<C>::add_rows(const std::vector<Link>& links, const std::vector<s
     };
     lay_out(scalar_row_, scalar_);
     lay_out(directed_row_, directed_);
-    if (tint_) {
+    if (tinted()) {
         scalar_tint_.resize(scalar_.size());
         directed_tint_.resize(directed_.size());
     }
@@ -298,7 +307,7 @@ void LightField<C>::set_half(const Half& half) {
     if (receiver_mode == EndMode::Mean || r.kind == NodeKind::Surface) gain /= r.area;
     else if (r.kind == NodeKind::Flat) gain /= dot(r.area_vector, arrival(r, u));
     if constexpr (C == 3)
-        if (tint_) (half.scalar ? scalar_tint_ : directed_tint_)[half.at] = tint_of(*tint_, d);
+        if (tinted()) (half.scalar ? scalar_tint_ : directed_tint_)[half.at] = tint_of(*tint_, d);
     if (half.scalar) {
         scalar_[half.at] = {source, static_cast<float>(gain)};
         return;
@@ -386,6 +395,38 @@ void LightField<C>::gather_bins(Passage& p) {
     });
 }
 
+// Under unit radiosity: what the parts of every element bring it goes into inherited_, from the smallest parts up.
+template <int C>
+void LightField<C>::gather_rows(const InstanceNodes& in) {
+    for (const std::uint32_t id : in.elements) inherited_[id * C] = 0, inherited_scale_[id] = 1;
+    for (auto it = in.elements.rbegin(); it != in.elements.rend(); ++it) {
+        const std::uint32_t parent = nodes_[*it].parent;
+        if (nodes_[parent].depth > 0) inherited_[parent * C] += (irradiance_[*it * C] + inherited_[*it * C]) / 4;
+    }
+}
+
+// The elements of a surface inherit its row alike, as if it came from everywhere. Yet where an element's own links, and those
+// of its parts (in inherited_), fill more of its sky less is left for the rest: what would make a row greater than 1 goes to
+// those beside it that have room.
+template <int C>
+void LightField<C>::share_out(std::uint32_t parent) {
+    const Node& n = nodes_[parent];
+    const float inherited = irradiance_[parent * C];
+    double sum = 0, over = 0, room = 0;
+    const auto row = [&](std::uint32_t id) { return irradiance_[id * C] + inherited_[id * C] + inherited; };
+    for (std::uint32_t id = n.first_child; id < n.first_child + n.child_count; ++id) sum += double(row(id));
+    const double most = std::max(double(kMostRow), sum / n.child_count);
+    const auto each = [&](const auto& visit) {
+        for (std::uint32_t id = n.first_child; id < n.first_child + n.child_count; ++id) visit(id, most - double(row(id)));
+    };
+    each([&](std::uint32_t, double left) { (left > 0 ? room : over) += left > 0 ? left : std::min(-left, double(inherited)); });
+    if (over == 0 || !(inherited > 0)) return;
+    each([&](std::uint32_t id, double left) {
+        const double more = left > 0 ? over * left / room : std::max(left, -double(inherited));
+        inherited_scale_[id] = static_cast<float>(1 + more / double(inherited));
+    });
+}
+
 // Irradiance of clusters, flat nodes and faces goes down to the leaves; irradiance_ of a face with elements ends as their
 // mean. A flat node's vector meets each face's own cosine, its gradient the place of the face.
 template <int C>
@@ -415,11 +456,7 @@ void LightField<C>::push_instance(std::uint32_t i, Push what, const Passage& p) 
     }
     // What a surface inherits, added to what its own links bring.
     const auto add_inherited = [&](std::uint32_t id, const float* from) {
-        constexpr float kClose = 0.5f;  // own links below that are no sign of something close; a row beyond 1 is noise
-        constexpr float kMost = 1.05f;  // rows that are a little above 1 are as many as those a little below
         float* e = &irradiance_[id * C];
-        if (what == Push::BoundRows)
-            inherited_scale_[id] = e[0] > kClose && from[0] > 0 && e[0] + from[0] > kMost ? std::max(0.0f, 1 - e[0]) / from[0] : 1.0f;
         const float scale = inherited_scale_.empty() ? 1.0f : inherited_scale_[id];
         for (std::size_t c = 0; c < C; ++c) e[c] += scale * from[c];
     };
@@ -437,11 +474,15 @@ void LightField<C>::push_instance(std::uint32_t i, Push what, const Passage& p) 
         }
         add_slope(inherited_, id);
         for (std::size_t c = 0; c < C; ++c) from[c] = std::max(0.0f, from[c]);
+        if (what == Push::BoundRows) inherited_scale_[id] = bounded_scale(irradiance_[id * C], from[0]);
         add_inherited(id, from);
     }
+    for (const std::uint32_t id : in.elements) take_own(id);
+    if (what == Push::BoundRows) gather_rows(in);
     for (const std::uint32_t id : in.elements) {
-        take_own(id);
-        add_inherited(id, &irradiance_[nodes_[id].parent * C]);
+        const std::uint32_t parent = nodes_[id].parent;
+        if (what == Push::BoundRows && id == nodes_[parent].first_child) share_out(parent);
+        add_inherited(id, &irradiance_[parent * C]);
     }
 }
 
@@ -515,9 +556,10 @@ void LightField<C>::grow(Passage& p) const {
 template <int C>
 void LightField<C>::send(Passage& p, double tolerance) {
     parallel_for(nodes_.size(), kGrain, [&](std::size_t id) {
-        double square = 0;
-        for (std::size_t k = id * C; k < (id + 1) * C; ++k) square += std::pow(double(radiosity_[k]) - double(p.sent[k]), 2);
-        p.changed[id] = p.whole || square > C * tolerance * tolerance;
+        const double square = mean_over<C>([&](std::size_t c) {
+            return std::pow(double(radiosity_[id * C + c]) - double(p.sent[id * C + c]), 2);
+        });
+        p.changed[id] = p.whole || square > tolerance * tolerance;
         if (p.changed[id]) std::copy_n(&radiosity_[id * C], C, &p.sent[id * C]);
     });
     p.bins.pull(p.sent, p.changed);
@@ -538,13 +580,14 @@ double LightField<C>::find_unsent() const {
     std::vector<double> square(instances, 0);
     parallel_for(instances, 1, [&](std::size_t i) {
         for_each_leaf(static_cast<std::uint32_t>(i), [&](std::uint32_t id) {
-            for (std::size_t k = id * C; k < (id + 1) * C; ++k)
-                square[i] += nodes_[id].area * std::pow(double(radiosity_[k]) - double(light_.sent[k]), 2);
+            square[i] += nodes_[id].area * mean_over<C>([&](std::size_t c) {
+                return std::pow(double(radiosity_[id * C + c]) - double(light_.sent[id * C + c]), 2);
+            });
         });
     });
     double sum = 0, area = 0;
     for (std::uint32_t i = 0; i < instances; ++i) sum += square[i], area += nodes_[nodes_.root(i)].area;
-    return area > 0 ? std::sqrt(sum / (area * C)) : 0.0;
+    return area > 0 ? std::sqrt(sum / area) : 0.0;
 }
 
 // What groups bring is not kept, so their members receive anew each time.
@@ -564,7 +607,7 @@ void LightField<C>::transport(Push what) {
     Passage& p = light || !unit_ ? light_ : *unit_;
     const double tolerance = light ? tolerance_ : unsent_part_;  // of unit radiosity
     send(p, tolerance);
-    if (tint_ && light) {
+    if (tinted() && light) {
         gather_surfaces<true>(p);
         gather_bins<true>(p);
     } else {
@@ -629,7 +672,7 @@ void LightField<C>::reflect_instance(std::uint32_t i) {
             radiosity_[id * C + c] = exitance(id, c) + reflectance(id, c) * irradiance_[id * C + c];
     });
     pull_instance(i);
-    if (!other_side_[i].empty()) transmit(i), pull_instance(i);
+    if (transmits(i)) transmit(i), pull_instance(i);
 }
 
 template <int C>
@@ -660,22 +703,24 @@ double LightField<C>::sweep() {
         area[i] = nodes_[nodes_.root(i)].area;
         if (!reached_[i]) return;
         for_each_leaf(i, [&](std::uint32_t id) {
+            std::array<double, C> square;
             for (std::size_t c = 0; c < C; ++c) {
                 float& e = irradiance_[id * C + c];
                 if (!row_scale_.empty()) e *= row_scale_[id];
-                if (!outside_.empty()) e += component<C>(outside_[id], c);
+                if (lit_from_outside()) e += component<C>(outside_[id], c);
                 if (e < std::numeric_limits<float>::min()) e = 0;  // denormals are noise, and slow
                 // In reflected light, not in radiosity: beside a strong exitance float would round it away.
                 const double d = double(reflectance(id, c)) * (double(e) - double(before_[id * C + c]));
-                change[i] += nodes_[id].area * d * d;
+                square[c] = d * d;
             }
+            change[i] += nodes_[id].area * mean_of(square);
         });
         reflect_instance(i);
     });
     pull_groups();
     double sum = 0, total = 0;
     for (std::size_t i = 0; i < instances; ++i) sum += change[i], total += area[i];
-    return total > 0 ? std::sqrt(sum / (total * C)) : 0.0;
+    return total > 0 ? std::sqrt(sum / total) : 0.0;
 }
 
 template <int C>
@@ -684,15 +729,14 @@ double LightField<C>::reflected_norm() const {
     std::vector<double> square(instances, 0);
     parallel_for(instances, 1, [&](std::size_t i) {
         for_each_leaf(static_cast<std::uint32_t>(i), [&](std::uint32_t id) {
-            for (std::size_t c = 0; c < C; ++c) {
-                const double r = double(reflectance(id, c)) * double(irradiance_[id * C + c]);
-                square[i] += nodes_[id].area * r * r;
-            }
+            square[i] += nodes_[id].area * mean_over<C>([&](std::size_t c) {
+                return std::pow(double(reflectance(id, c)) * double(irradiance_[id * C + c]), 2);
+            });
         });
     });
     double sum = 0, total = 0;
     for (std::uint32_t i = 0; i < instances; ++i) sum += square[i], total += nodes_[nodes_.root(i)].area;
-    return total > 0 ? std::sqrt(sum / (total * C)) : 0.0;
+    return total > 0 ? std::sqrt(sum / total) : 0.0;
 }
 
 template <int C>
@@ -702,9 +746,7 @@ void LightField<C>::fill(Guide& guide) const {
     guide.variation.assign(nodes_.size(), 0);
     guide.reflectance.assign(nodes_.size(), 0);
     const auto grey = [](const std::vector<float>& v, std::size_t id) {
-        double sum = 0;
-        for (std::size_t c = 0; c < C; ++c) sum += double(v[id * C + c]) * double(v[id * C + c]);
-        return static_cast<float>(std::sqrt(sum / C));
+        return static_cast<float>(std::sqrt(mean_over<C>([&](std::size_t c) { return std::pow(double(v[id * C + c]), 2); })));
     };
     parallel_for(nodes_.size(), kGrain, [&](std::size_t id) {
         guide.radiosity[id] = grey(radiosity_, id);
@@ -713,14 +755,13 @@ void LightField<C>::fill(Guide& guide) const {
         // Channels count by the square of their light, as in the error: a red face in red light reflects most of it.
         const auto face = static_cast<std::uint32_t>(id);
         constexpr double kDark = 1e-60;  // where there is none, all alike
-        double sent = 0, light = 0;
+        std::array<double, C> sent, light;
         for (std::size_t c = 0; c < C; ++c) {
             const double rho = double(reflectance(face, c)) + double(transmittance(face, c));
-            const double square = std::pow(double(irradiance_[id * C + c]), 2) + kDark;
-            sent += rho * rho * square;
-            light += square;
+            light[c] = std::pow(double(irradiance_[id * C + c]), 2) + kDark;
+            sent[c] = rho * rho * light[c];
         }
-        guide.reflectance[id] = static_cast<float>(std::sqrt(sent / light));
+        guide.reflectance[id] = static_cast<float>(std::sqrt(mean_of(sent) / mean_of(light)));
         guide.irradiance[id] = grey(irradiance_, id);
     });
     // Upwards: sums over children, which follow their parents.
@@ -754,6 +795,7 @@ void LightField<C>::fill(Guide& guide) const {
     }
     const double norm = reflected_norm();
     guide.reflected = area * norm * norm;
+    guide.area = area;
 }
 
 template <int C>

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "solver/effects/built_in.h"
 #include "solver/transport/direction_bins.h"
 #include "solver/transport/group_bins.h"
 #include "solver/transport/link.h"
@@ -157,6 +158,8 @@ class LightField {
     template <bool Tinted>
     void gather_bins(Passage& p);
     void push_instance(std::uint32_t i, Push what, const Passage& p);
+    void gather_rows(const InstanceNodes& in);  // before share_out(): of all elements of an instance
+    void share_out(std::uint32_t parent);  // under unit radiosity: sets the scales of a surface's elements
     void reflect_instance(std::uint32_t i);  // leaves' irradiance -> radiosity of all nodes
     void pull_instance(std::uint32_t i);
     void pull_groups();  // after all instances
@@ -166,6 +169,9 @@ class LightField {
 
     void transmit(std::uint32_t i);  // adds to radiosity what comes through from the other side
     float sources(std::uint32_t surface, std::size_t channel) const;
+    bool lit_from_outside() const { return kOutsideLight && !outside_.empty(); }
+    bool transmits(std::uint32_t i) const { return built_in("transmission") && !other_side_[i].empty(); }
+    bool tinted() const { return built_in("medium") && C > 1 && tint_; }
 
     const Nodes& nodes_;
     const EndAreas& areas_;

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "format/parallel.h"
+#include "solver/transport/channels.h"
 #include "solver/transport/flat_light.h"
 
 namespace rro {
@@ -108,8 +109,7 @@ void GroupBins<C>::splat(std::uint32_t group, const Vec3& u, double inverse_dist
     const DirectionTaps taps = grid_.taps(u);
     const std::size_t d = grid_.size();
     float* plane = &incoming_[group * kIncoming * d];
-    float strength = 0;
-    for (std::size_t c = 0; c < C; ++c) strength += h[c];
+    const float strength = mean_of(h);
     const std::array<float, 4> shared{static_cast<float>(u.x) * strength, static_cast<float>(u.y) * strength,
                                       static_cast<float>(u.z) * strength,
                                       static_cast<float>(inverse_distance) * strength};
@@ -129,8 +129,8 @@ void GroupBins<C>::push_to(std::uint32_t group, std::uint32_t child, DirectionBi
     const Vec3 offset = node.centre - nodes_[group].centre;
     for (std::size_t k = 0; k < d; ++k) {
         std::array<float, C> h;
-        float strength = 0;
-        for (std::size_t c = 0; c < C; ++c) strength += h[c] = plane[c * d + k];
+        for (std::size_t c = 0; c < C; ++c) h[c] = plane[c * d + k];
+        const float strength = mean_of(h);
         if (!(strength > 0)) continue;
         const Vec3 sum{plane[C * d + k], plane[(C + 1) * d + k], plane[(C + 2) * d + k]};
         const Arrival light = translated(sum, strength, plane[(C + 3) * d + k], offset);

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "format/parallel.h"
+#include "solver/transport/channels.h"
 
 namespace rro {
 
@@ -61,17 +62,17 @@ double amplification(const Nodes& nodes, const LightField<C>& field, const Outsi
         for (std::uint32_t id = 0; id < nodes.size(); ++id) {
             if (nodes[id].kind != NodeKind::Surface || nodes[id].child_count > 0) continue;
             const Vec3 e = to_double(outside.irradiance()[id]);
-            for (std::size_t c = 0; c < C; ++c)
-                emitted += nodes[id].area * double(field.reflectance(id, c)) * (c == 0 ? e.x : c == 1 ? e.y : e.z);
+            emitted += nodes[id].area * mean_over<C>([&](std::size_t c) {
+                return double(field.reflectance(id, c)) * (c == 0 ? e.x : c == 1 ? e.y : e.z);
+            });
         }
     for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
         const InstanceNodes& in = nodes.instance(i);
-        for (std::uint32_t f = 0; f < scene.instances[i].data().faces.size(); ++f)
-            for (std::size_t c = 0; c < C; ++c) {
-                const std::uint32_t id = in.first_face + f;
-                all += nodes[id].area * double(field.radiosity()[id * C + c]);
-                emitted += nodes[id].area * double(field.exitance(id, c));
-            }
+        for (std::uint32_t f = 0; f < scene.instances[i].data().faces.size(); ++f) {
+            const std::uint32_t id = in.first_face + f;
+            all += nodes[id].area * mean_over<C>([&](std::size_t c) { return double(field.radiosity()[id * C + c]); });
+            emitted += nodes[id].area * mean_over<C>([&](std::size_t c) { return double(field.exitance(id, c)); });
+        }
     }
     return emitted > 0 ? std::max(1.0, all / emitted) : 1.0;
 }
@@ -81,13 +82,14 @@ Sources sources_of(const Nodes& nodes, const LightField<C>& field) {
     Sources out;
     for (std::uint32_t i = 0; i < nodes.scene().instances.size(); ++i) {
         const InstanceNodes& in = nodes.instance(i);
-        for (std::uint32_t f = 0; f < nodes.scene().instances[i].data().faces.size(); ++f)
+        for (std::uint32_t f = 0; f < nodes.scene().instances[i].data().faces.size(); ++f) {
+            const std::uint32_t id = in.first_face + f;
             for (std::size_t c = 0; c < C; ++c) {
-                const std::uint32_t id = in.first_face + f;
                 const double sent_on = double(field.reflectance(id, c)) + double(field.transmittance(id, c));
                 out.largest_reflectance = std::max(out.largest_reflectance, sent_on);
-                out.emitted += double(field.exitance(id, c)) * nodes[id].area / C;
             }
+            out.emitted += nodes[id].area * mean_over<C>([&](std::size_t c) { return double(field.exitance(id, c)); });
+        }
         out.area += nodes[nodes.root(i)].area;
     }
     return out;
@@ -102,14 +104,18 @@ void HindSight::correct(ErrorEstimate& estimate, const Nodes& nodes, const Light
     for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
         const InstanceNodes& in = nodes.instance(i);
         double moved = 0, all = 0;
-        for (std::uint32_t f = 0; f < scene.instances[i].data().faces.size(); ++f)
+        for (std::uint32_t f = 0; f < scene.instances[i].data().faces.size(); ++f) {
+            const std::uint32_t id = in.first_face + f;
+            std::array<double, C> step{}, light;
             for (std::size_t c = 0; c < C; ++c, ++k) {
-                const std::uint32_t id = in.first_face + f;
                 const double r = double(field.reflectance(id, c)) * double(field.irradiance()[id * C + c]);
                 reflected.push_back(static_cast<float>(r));
-                if (!reflected_.empty()) moved += nodes[id].area * std::pow(r - double(reflected_[k]), 2);
-                all += nodes[id].area * r * r;
+                if (!reflected_.empty()) step[c] = std::pow(r - double(reflected_[k]), 2);
+                light[c] = r * r;
             }
+            moved += nodes[id].area * mean_of(step);
+            all += nodes[id].area * mean_of(light);
+        }
         change.push_back(all > 0 ? std::sqrt(moved / all) : 0);
     }
     reflected_ = std::move(reflected);

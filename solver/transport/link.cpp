@@ -12,7 +12,7 @@ namespace rro {
 namespace {
 
 constexpr int kDeepestElement = 7;              // levels of quadtree below a face
-constexpr double kSmallestElementShare = 1e-6;  // of the scene's area
+constexpr double kSmallestElementShare = 1e-5;  // of its instance's area: a lamp in a hall is small, and what counts
 
 // What one link may be wrong by, relative to its light; r the radius of an end, d the distance.
 // A flat or planar end as a point: second order.
@@ -54,8 +54,9 @@ constexpr double kNegligible = 0.25, kNegligibleNear = 0.01;
 constexpr double kAlong = 0.35, kWithinMedium = 0.5;
 // Tables that do this part of a link's harm are good enough; where they are not, rays find what they would have told.
 constexpr double kAffordable = 0.5;
-// What rays may leave undecided, as a part of a link's harm.
-constexpr double kNoiseShare = 0.5;
+// However little an instance or a group matters to the scene, one link to it is off by no more than this part, squared, of
+// the light that surfaces of its area receive on average: small things in a large room are not dark.
+constexpr double kOwnShare = 0.25;
 // What a table calls hidden may be seen through a gap between its directions.
 constexpr double kMissedGap = 0.1;
 // Light within a node is left out, not approximated, so it must be this much less harmful.
@@ -93,9 +94,15 @@ LinkBuilder::Projection LinkBuilder::projection(const Node& n, const Vec3& w, do
     return {n.area * mean, 0.5 * (mean - std::min(plain, mean)) / mean};
 }
 
+double Guide::limit(const Nodes& nodes, std::uint32_t to) const {
+    const std::uint32_t instance = nodes[to].instance;
+    const double own = nodes[to].group() ? nodes[to].area : nodes[nodes.root(instance)].area;
+    return reflected * std::min(instance < share.size() ? share[instance] : scene_share, kOwnShare * own / area);
+}
+
 double harm_to_part(const Guide& guide, const Nodes& nodes, std::uint32_t to, double area, double error) {
     const double rho = double(guide.reflectance[to]), others = kAgreement * kAgreement * double(guide.error[to]);
-    return area * rho * rho * error * (error + others) / guide.limit(nodes[to].instance);
+    return area * rho * rho * error * (error + others) / guide.limit(nodes, to);
 }
 
 double harm(const Guide& guide, const Nodes& nodes, std::uint32_t to, std::uint32_t from, double exchange) {
@@ -103,15 +110,15 @@ double harm(const Guide& guide, const Nodes& nodes, std::uint32_t to, std::uint3
     return area > 0 ? harm_to_part(guide, nodes, to, area, double(guide.radiosity[from]) * exchange / area) : 0.0;
 }
 
+double noise_harm(const Guide& guide, const Nodes& nodes, std::uint32_t to, std::uint32_t from, double noise) {
+    const double e = double(guide.reflectance[to]) * double(guide.radiosity[from]) * noise;
+    return e * e / (std::max(nodes[to].area, 1e-300) * guide.limit(nodes, to));
+}
+
 LinkBuilder::LinkBuilder(const Nodes& nodes, const EndAreas& areas, const SceneRays& rays,
                          const TransportOptions& options)
     : nodes_(nodes), areas_(areas), options_(options), visibility_(nodes.scene(), rays, link_method(options.visibility)) {
-    double area = 0;
-    for (std::uint32_t i = 0; i < nodes.scene().instances.size(); ++i) {
-        instance_key_.push_back(hash_text(nodes.scene().instances[i].name));
-        area += nodes[nodes.root(i)].area;
-    }
-    smallest_area_ = kSmallestElementShare * area;
+    for (const Instance& instance : nodes.scene().instances) instance_key_.push_back(hash_text(instance.name));
     if (const auto& medium = nodes.scene().medium) {
         const Vec3& a = medium->absorption;
         medium_ = std::min({a.x, a.y, a.z});
@@ -136,7 +143,8 @@ LinkBuilder::LinkBuilder(const Nodes& nodes, const EndAreas& areas, const SceneR
 }
 
 bool LinkBuilder::divisible(const Node& n) const {
-    return n.kind != NodeKind::Surface || (n.depth < kDeepestElement && n.area > smallest_area_);
+    return n.kind != NodeKind::Surface ||
+           (n.depth < kDeepestElement && n.area > kSmallestElementShare * nodes_[nodes_.root(n.instance)].area);
 }
 
 Verdict LinkBuilder::split(std::uint32_t a, std::uint32_t b, bool prefer_a) const {
@@ -219,7 +227,7 @@ bool LinkBuilder::is_whole(const SelfPair& stored, const Pair& pair) const {
         const auto range = nodes_.patches(n);
         const Cluster& cluster = data.clusters[c];
         if (range[0] != cluster.first_patch || range[1] - range[0] != cluster.patch_count) return false;
-        return n.kind != NodeKind::Surface || (n.depth == 0 && data.patches[range[0]].face_count == 1);
+        return n.depth == 0 && (n.kind != NodeKind::Surface || data.patches[range[0]].face_count == 1);
     };
     return (all_of(na, stored.a) && all_of(nb, stored.b)) || (all_of(na, stored.b) && all_of(nb, stored.a));
 }
@@ -277,7 +285,7 @@ Verdict LinkBuilder::judge_stored(const Pair& pair, const SelfPair& stored, cons
     o.error_b = a == b ? 0 : std::hypot(g * error_b, known);
     const double bad = harm_of(guide, o, o.error_a, o.error_b);
     if (g == 0 && bad <= kNegligible) return {};
-    if (bad > 1) {
+    if (bad > 1 || areas_.mixed(na) || areas_.mixed(nb)) {
         Verdict v;
         if (stored.step == PairStep::Link && a != b) return judge_by_geometry(a, b, guide, own == 1 ? 1 : kOwnUnknown);
         v.action = stored.step == PairStep::Link ? Verdict::Action::SplitA : stored_split(stored, pair);
@@ -429,6 +437,9 @@ Verdict LinkBuilder::judge_far(std::uint32_t a, std::uint32_t b, const Guide& gu
     }
     g = std::min({g, na.area, nb.area});
     End end_a = end_of(a, b, ra / d, project_a, g, guide), end_b = end_of(b, a, rb / d, project_b, g, guide);
+    // Tables tell patches apart, one share for all of an end does not.
+    const auto leaks = [&](const Node& n, EndMode mode) { return (mode != EndMode::Outside || n.kind != NodeKind::Bins) && areas_.mixed(n); };
+    if (leaks(na, end_a.mode) || leaks(nb, end_b.mode)) return split(a, b, ra >= rb);
     end_a.received = std::hypot(end_a.received, uneven_a);
     end_b.received = std::hypot(end_b.received, uneven_b);
     const double low = by_centres ? std::hypot(end_a.horizon, end_b.horizon) : points_error;
@@ -477,17 +488,13 @@ double LinkBuilder::shadow_share(const Node& n) const { return n.kind == NodeKin
 
 Verdict LinkBuilder::settle(const Offer& o, const Guide& guide) const {
     const Node &na = nodes_[o.a], &nb = nodes_[o.b];
-    // Noise of different links is independent: it adds up by its squares alone.
-    const auto loud = [&](std::uint32_t to, std::uint32_t from) {
-        const double rho = double(guide.reflectance[to]), e = double(guide.radiosity[from]) * o.exchange;
-        return rho * rho * e * e / (std::max(nodes_[to].area, 1e-300) * guide.limit(nodes_[to].instance));
-    };
+    const double loud = std::max(noise_harm(guide, nodes_, o.a, o.b, o.exchange), noise_harm(guide, nodes_, o.b, o.a, o.exchange));
     const double shadow_a = o.exchange * shadow_share(na), shadow_b = o.exchange * shadow_share(nb);
     const double edge = o.negligible ? 0.0 : harm_of(guide, o, shadow_a, shadow_b);
     Transmittance t;
     Verdict v;
     const std::uint64_t begun = ticks();
-    if (o.a != o.b) t = transmittance(o, std::max(loud(o.a, o.b), loud(o.b, o.a)) / kNoiseShare, edge);
+    if (o.a != o.b) t = transmittance(o, loud / kNoiseShare, edge);
     v.visibility_ticks = ticks() - begun;
     v.rays = t.rays;
     v.looked = true;
@@ -497,7 +504,7 @@ Verdict LinkBuilder::settle(const Offer& o, const Guide& guide) const {
         if (v.action != Verdict::Action::Accept) return v;
     }
     v.action = Verdict::Action::Accept;
-    if (medium_most_ > 0) {
+    if (built_in("medium") && medium_most_ > 0) {
         // Absorbed over the distance between the centres; the rest of the ends lies nearer or farther. A link carries what all
         // channels lose; what some lose beyond that is the sweeps' (gather.h).
         const double extinct = medium_ * length(nb.centre - na.centre);

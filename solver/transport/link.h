@@ -41,14 +41,13 @@ struct Guide {
     std::vector<float> irradiance;   // [nodes] W/m^2, area-weighted mean
     std::vector<float> reflectance;  // [nodes] area-weighted mean
     double reflected = 0;            // sum of A R^2 over the scene, W^2/m^2
+    double area = 0;                 // of the scene, m^2
     std::vector<float> error;        // [nodes] W/m^2, sum of the links' errors of irradiance, agreeing or not
     std::vector<double> share;       // [instances] of `reflected` that one link may add to the squared error
     double scene_share = 0;          // the same for groups of instances
 
-    /// What one link may add to the squared error at a node of this instance (kNoNode: a group).
-    double limit(std::uint32_t instance) const {
-        return reflected * (instance < share.size() ? share[instance] : scene_share);
-    }
+    /// What one link may add to the squared error at a node.
+    double limit(const Nodes& nodes, std::uint32_t to) const;
 };
 
 /// What an error of `exchange` m^2 in the light that `to` receives from `from` adds to the squared error of the scene,
@@ -60,6 +59,13 @@ double harm(const Guide& guide, const Nodes& nodes, std::uint32_t to, std::uint3
 
 /// The same for an error of irradiance in W/m^2 over a part of `to` of this area.
 double harm_to_part(const Guide& guide, const Nodes& nodes, std::uint32_t to, double area, double error);
+
+/// The same for what a limited number of rays leaves undecided: errors of different links are independent, so each adds
+/// up by its square alone.
+double noise_harm(const Guide& guide, const Nodes& nodes, std::uint32_t to, std::uint32_t from, double noise);
+
+/// What rays may leave undecided, as a part of a link's harm.
+inline constexpr double kNoiseShare = 0.5;
 
 /// How much of a shadow's edge within one face counts: it does not move the face's mean.
 inline constexpr double kShadowWithinFace = 0.12;
@@ -169,7 +175,6 @@ class LinkBuilder {
     std::vector<std::uint64_t> instance_key_;  // from the name
     std::vector<std::uint64_t> group_key_;     // from its members' names
     std::vector<double> group_table_error_;    // relative, of the projected area
-    double smallest_area_ = 0;                 // of an element, m^2
     double medium_ = 0, medium_most_ = 0;      // least and largest absorption of the channels, 1/m
 };
 

@@ -2,7 +2,6 @@
 // another.
 #include <bit>
 #include <functional>
-#include <tuple>
 
 #include "format/sample_points.h"
 #include "solver/transport/link.h"
@@ -80,8 +79,9 @@ VisibilityMethod link_method(VisibilityMethod asked) { return asked == Visibilit
 std::uint64_t LinkBuilder::sample_key(std::uint32_t id) const {
     const Node& n = nodes_[id];
     if (n.group()) return group_key_[id];
-    if (n.kind != NodeKind::Surface || n.depth == 0)
-        return mix64(instance_key_[n.instance] ^ (std::uint64_t(n.kind) << 40 | n.index));
+    if (n.kind != NodeKind::Surface)
+        return mix64(instance_key_[n.instance] ^ (std::uint64_t(n.kind) << 40 | (id - nodes_.root(n.instance))));
+    if (n.depth == 0) return mix64(instance_key_[n.instance] ^ (std::uint64_t(n.kind) << 40 | n.index));
     std::uint64_t k = mix64(instance_key_[n.instance] ^ nodes_.face_of(n));
     for (const auto& corner : nodes_.element_corners(id))
         k = mix64(k ^ (std::uint64_t(std::bit_cast<std::uint32_t>(corner[0])) << 32 |
@@ -90,7 +90,8 @@ std::uint64_t LinkBuilder::sample_key(std::uint32_t id) const {
 }
 
 Transmittance LinkBuilder::transmittance(const Offer& o, double noise, double edge) const {
-    auto [a, b, mode_a, mode_b] = std::tuple(o.a, o.b, o.mode_a, o.mode_b);
+    std::uint32_t a = o.a, b = o.b;
+    EndMode mode_a = o.mode_a, mode_b = o.mode_b;
     // The pair is sampled the same way whichever end is named first and wherever the instance stands in the manifest.
     std::uint64_t key_a = sample_key(a), key_b = sample_key(b);
     if (key_a > key_b) {

@@ -14,6 +14,19 @@ constexpr float kFlatConeCosine = 0.8f;
 constexpr std::uint32_t kTerminalsPerObject = 48;
 constexpr std::uint32_t kSmallestTerminal = 8;  // patches
 
+// A patch of more faces than that divides into parts before it divides into faces: a fine mesh makes no more links than a
+// coarse one. Faces of a patch follow a space-filling curve, so that a row of them lies together.
+constexpr std::uint32_t kFacesInRow = 8, kPartsInRow = 4;
+
+/// Parts below a patch, or a part, of so many faces.
+std::uint32_t count_parts(std::uint32_t faces) {
+    if (faces <= kFacesInRow) return 0;
+    std::uint32_t parts = kPartsInRow;
+    for (std::uint32_t k = 0; k < kPartsInRow; ++k)
+        parts += count_parts(faces * (k + 1) / kPartsInRow - faces * k / kPartsInRow);
+    return parts;
+}
+
 // Corners of the four children of a triangle in its own barycentric coordinates: three at the corners, one inside.
 ElementCorners child_corners(const ElementCorners& c, int child) {
     const auto middle = [](const std::array<float, 2>& a, const std::array<float, 2>& b) {
@@ -132,6 +145,47 @@ void Nodes::set_surface(Node& node, const TriangleCorners& c) const {
     node.radius = static_cast<float>(std::sqrt(r2));
 }
 
+/// Gives a patch's node, or a part's, its children: faces first_face .. first_face + count - 1 in parts, or themselves.
+/// next  number of the next part
+void Nodes::add_parts(std::uint32_t id, std::uint32_t first_face, std::uint32_t count, std::uint32_t& next) {
+    nodes_[id].first_child = first_face;
+    nodes_[id].child_count = count;
+    if (count <= kFacesInRow) return;
+    const std::uint32_t row = next;
+    next += kPartsInRow;
+    nodes_[id].first_child = row;
+    nodes_[id].child_count = kPartsInRow;
+    for (std::uint32_t k = 0; k < kPartsInRow; ++k) {
+        Node& part = nodes_[row + k];
+        part.instance = nodes_[id].instance;
+        part.index = nodes_[id].index;
+        part.depth = static_cast<std::uint8_t>(nodes_[id].depth + 1);
+        part.kind = NodeKind::Flat;
+        part.slot = flat_count_++;
+        const std::uint32_t begin = count * k / kPartsInRow, end = count * (k + 1) / kPartsInRow;
+        add_parts(row + k, first_face + begin, end - begin, next);
+    }
+}
+
+void Nodes::sum_children(std::uint32_t id) {
+    Node& node = nodes_[id];
+    clear_sums(node);
+    const auto add = [&](std::uint32_t child) {
+        Node& n = nodes_[child];
+        n.parent = id;
+        node.area += n.area;
+        node.area_vector += n.area_vector;
+        for (std::size_t k = 0; k < 6; ++k) node.moments[k] += n.moments[k];
+        node.centre += n.centre * n.area;
+        node.box.add(n.box);
+    };
+    if (node.second_child != 0)
+        add(node.first_child), add(node.second_child);
+    else
+        for (std::uint32_t k = 0; k < node.child_count; ++k) add(node.first_child + k);
+    node.centre = node.area > 0 ? node.centre / node.area : node.box.centre();
+}
+
 void Nodes::add_instance(std::uint32_t i) {
     const Instance& instance = scene_->instances[i];
     const ObjectData& data = instance.data();
@@ -139,26 +193,27 @@ void Nodes::add_instance(std::uint32_t i) {
     const auto cluster_count = static_cast<std::uint32_t>(data.clusters.size());
     const auto face_count = static_cast<std::uint32_t>(data.faces.size());
     const auto patch_count = static_cast<std::uint32_t>(data.patches.size());
+    std::uint32_t part_count = 0;
+    for (const Patch& patch : data.patches) part_count += count_parts(patch.face_count);
     in.first_cluster = static_cast<std::uint32_t>(nodes_.size());
-    in.first_face = in.first_cluster + cluster_count;
-    nodes_.resize(nodes_.size() + cluster_count + face_count);
+    in.first_face = in.first_cluster + cluster_count + part_count;
+    nodes_.resize(std::size_t(in.first_face) + face_count);
 
     for (std::uint32_t f = 0; f < face_count; ++f) {
         nodes_[in.first_face + f].instance = i;
         nodes_[in.first_face + f].index = f;
     }
+    std::uint32_t next_part = in.first_cluster + cluster_count;
     for (std::uint32_t c = 0; c < cluster_count; ++c) {
         const Cluster& cluster = data.clusters[c];
-        const std::uint32_t id = in.first_cluster + c;
-        Node& node = nodes_[id];
+        Node& node = nodes_[in.first_cluster + c];
         node.instance = i;
         node.index = c;
         if (cluster.right_child == 0) {
             const Patch& patch = data.patches[cluster.first_patch];
-            node.first_child = in.first_face + patch.first_face;
-            node.child_count = patch.face_count;
+            add_parts(in.first_cluster + c, in.first_face + patch.first_face, patch.face_count, next_part);
         } else {
-            node.first_child = id + 1;
+            node.first_child = in.first_cluster + c + 1;
             node.second_child = in.first_cluster + cluster.right_child;
             node.child_count = 2;
         }
@@ -204,7 +259,6 @@ void Nodes::place_instance(std::uint32_t i) {
     const Instance& instance = scene_->instances[i];
     const ObjectData& data = instance.data();
     const InstanceNodes& in = instances_[i];
-    const auto cluster_count = static_cast<std::uint32_t>(data.clusters.size());
     const auto face_count = static_cast<std::uint32_t>(data.faces.size());
     const auto place_surface = [&](std::uint32_t id, const TriangleCorners& corners) {
         nodes_[id].box = {};
@@ -212,37 +266,16 @@ void Nodes::place_instance(std::uint32_t i) {
     };
     for (std::uint32_t f = 0; f < face_count; ++f) place_surface(in.first_face + f, instance.world_corners(data.faces[f]));
     for (const std::uint32_t id : in.elements) place_surface(id, corners(id));
-
-    // Bottom-up: sums over children.
-    for (std::uint32_t c = cluster_count; c-- > 0;) {
-        const Cluster& cluster = data.clusters[c];
-        const std::uint32_t id = in.first_cluster + c;
-        Node& node = nodes_[id];
-        clear_sums(node);
-        const auto add = [&](std::uint32_t child) {
-            Node& n = nodes_[child];
-            n.parent = id;
-            node.area += n.area;
-            node.area_vector += n.area_vector;
-            for (std::size_t k = 0; k < 6; ++k) node.moments[k] += n.moments[k];
-            node.centre += n.centre * n.area;
-            node.box.add(n.box);
-        };
-        if (cluster.right_child == 0)
-            for (std::uint32_t k = 0; k < node.child_count; ++k) add(node.first_child + k);
-        else
-            add(node.first_child), add(node.second_child);
-        node.centre = node.area > 0 ? node.centre / node.area : node.box.centre();
-    }
+    for (std::uint32_t id = in.first_face; id-- > in.first_cluster;) sum_children(id);
 
     // Extents and cones are taken over the faces below, exactly: each face visits its ancestors.
-    for (std::uint32_t c = 0; c < cluster_count; ++c) {
-        Node& node = nodes_[in.first_cluster + c];
+    std::vector<Vec3> normals(in.first_face - in.first_cluster);
+    for (std::uint32_t k = 0; k < normals.size(); ++k) {
+        Node& node = nodes_[in.first_cluster + k];
         node.radius = 0;
         node.cone_cosine = length(node.area_vector) > 1e-6 * node.area ? 1.0f : -1.0f;
+        normals[k] = node.normal();
     }
-    std::vector<Vec3> normals(cluster_count);
-    for (std::uint32_t c = 0; c < cluster_count; ++c) normals[c] = nodes_[in.first_cluster + c].normal();
     for (std::uint32_t f = 0; f < face_count; ++f) {
         const Node& face = nodes_[in.first_face + f];
         const Vec3 normal = face.normal();
@@ -250,7 +283,7 @@ void Nodes::place_instance(std::uint32_t i) {
             Node& node = nodes_[a];
             node.radius = std::max(node.radius, static_cast<float>(length(face.centre - node.centre) + face.radius));
             if (node.cone_cosine > -1)
-                node.cone_cosine = std::min(node.cone_cosine, static_cast<float>(dot(normals[node.index], normal)));
+                node.cone_cosine = std::min(node.cone_cosine, static_cast<float>(dot(normals[a - in.first_cluster], normal)));
         }
     }
 }
@@ -294,6 +327,12 @@ std::array<std::uint32_t, 2> Nodes::faces(const Node& node) const {
         return {f, f + 1};
     }
     const ObjectData& data = scene_->instances[node.instance].data();
+    if (node.part()) {
+        const Node *first = &node, *last = &node;
+        while (!first->planar()) first = &nodes_[first->first_child];
+        while (!last->planar()) last = &nodes_[last->first_child + last->child_count - 1];
+        return {first->index, last->index + 1};
+    }
     const Cluster& cluster = data.clusters[node.index];
     const Patch& last = data.patches[cluster.first_patch + cluster.patch_count - 1];
     return {data.patches[cluster.first_patch].first_face, last.first_face + last.face_count};

@@ -1,8 +1,8 @@
-// The scene as one forest of nodes in world space: groups of instances, every instance's cluster tree, the faces below its
-// patches, and the elements that faces are subdivided into on demand.
+// The scene as one forest of nodes in world space: groups of instances, every instance's cluster tree, the parts of patches
+// of many faces, the faces, and the elements that faces are subdivided into on demand.
 //
-// Order: groups (preorder); an instance's clusters (preorder), then its faces, then the next instance; elements follow
-// all instances. A child's number is always larger than its parent's, so one forward loop pushes down and one backward
+// Order: groups (preorder); an instance's clusters (preorder), then parts of its patches, then its faces, then the next
+// instance; elements follow all instances. A child's number is always larger than its parent's, so one forward loop pushes down and one backward
 // loop pulls up.
 #pragma once
 
@@ -21,7 +21,7 @@ inline constexpr std::uint32_t kNoNode = 0xffffffffu;
 /// What a node may be at the end of a link.
 enum class NodeKind : std::uint8_t {
     Surface,  // a face or an element: planar, exact form factors, scalar irradiance
-    Flat,     // several faces that look one way: mean radiosity out, irradiance vector in
+    Flat,     // several faces that look one way, or a part of a patch: mean radiosity out, irradiance vector in
     Bins,     // a cluster of many orientations, or a group: intensity per direction out, light per direction in
     Cluster,  // too small for bins, too round to be flat: never an end, always split
 };
@@ -35,14 +35,14 @@ struct Node {
     float radius = 0;               // about centre, m
     float cone_cosine = -1;         // smallest cosine between the mean normal and a face's
     std::uint32_t instance = 0;     // kNoNode: a group
-    std::uint32_t index = 0;        // cluster, face, element or group number
+    std::uint32_t index = 0;        // cluster (of a part: its patch's), face, element or group number
     std::uint32_t parent = kNoNode;
     std::uint32_t first_child = 0;  // clusters, groups: the left child, whose sibling is second_child; else children in a row
     std::uint32_t second_child = 0;
     std::uint32_t child_count = 0;
     std::uint32_t slot = 0;         // Flat: number of its irradiance vector; Bins: of its direction bins
     NodeKind kind = NodeKind::Cluster;
-    std::uint8_t depth = 0;         // of an element below its face
+    std::uint8_t depth = 0;         // of an element below its face, of a part below its patch
 
     Vec3 normal() const { return normalised(area_vector); }
 
@@ -51,6 +51,8 @@ struct Node {
     /// for cosines in c - x .. c + x the mean is (c + x)^2 / 4x. 
     double mean_cosine(const Vec3& w, double fan = 0) const;
     bool planar() const { return kind == NodeKind::Surface; }
+    /// Faces of one patch, but not all of them.
+    bool part() const { return kind == NodeKind::Flat && depth > 0; }
     /// Can light be told to arrive at it, or to leave it, as a whole? Not where the normals of a patch add up to nothing.
     bool may_end() const { return kind != NodeKind::Cluster && (kind != NodeKind::Flat || cone_cosine > -1); }
     bool group() const { return instance == kNoNode; }
@@ -102,7 +104,7 @@ class Nodes {
     TriangleCorners corners(std::uint32_t surface) const;
     const ElementCorners& element_corners(std::uint32_t element) const { return element_corners_[nodes_[element].index]; }
 
-    /// Half-open range of patch numbers that a node holds or is part of; not of a group.
+    /// Half-open range of numbers of the patches that a node holds, or of the one that it is part of; not of a group.
     std::array<std::uint32_t, 2> patches(const Node& node) const;
 
     /// Half-open range of face numbers below a node; not of a group.
@@ -116,7 +118,9 @@ class Nodes {
 
   private:
     void add_instance(std::uint32_t i);
+    void add_parts(std::uint32_t node, std::uint32_t first_face, std::uint32_t count, std::uint32_t& next);
     void place_instance(std::uint32_t i);
+    void sum_children(std::uint32_t node);
     void set_groups();
     void set_surface(Node& node, const TriangleCorners& c) const;
 

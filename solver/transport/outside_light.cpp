@@ -76,24 +76,24 @@ OutsideLight::Estimate OutsideLight::sample(const Nodes& nodes, std::uint32_t su
             const auto b = square_to_triangle(double(s[0]), double(s[1]));
             const Vec3 p = triangle_point(corners, b[0], b[1]);
             Vec3 light;
-            if (sky_ && scene_.sky->is_peaked()) {  // balance heuristic of choices by brightness and by cosine, one each
+            if (sky() && scene_.sky->is_peaked()) {  // balance heuristic of choices by brightness and by cosine, one each
                 const auto choice = scene_.sky->sample(double(s[2]), double(s[3]));
                 const double cosine = dot(normal, choice.from);
                 if (cosine > 0)
                     light += from_far(p, choice.from, choice.radiance * (cosine / (choice.density + cosine / std::numbers::pi)));
             }
-            if (sky_) {
+            if (sky()) {
                 const Vec3 local = square_to_cosine_hemisphere(double(s[2]), double(s[3]));
                 const Vec3 d = frame[0] * local.x + frame[1] * local.y + normal * local.z;
                 const double weight = scene_.sky->is_peaked() ? local.z / (scene_.sky->density(d) + local.z / std::numbers::pi)
                                                               : std::numbers::pi;
                 light += from_far(p, d, scene_.sky->radiance(d) * weight);
             }
-            if (sun_) {
+            if (sun()) {
                 const auto part = scene_.sun->sample(double(s[2]), double(s[3]));
                 light += from_far(p, part.from, part.irradiance * std::max(0.0, dot(normal, part.from)));
             }
-            if (lights_)
+            if (lights())
                 for (const PointLight& lamp : scene_.lights) {
                     const Vec3 to = lamp.position - p;
                     const double d2 = length2(to), d = std::sqrt(d2), cosine = d > 0 ? dot(normal, to) / d : 0;
@@ -172,7 +172,7 @@ std::vector<std::uint32_t> OutsideLight::shadow_edges(const Nodes& nodes, const 
         if (partial_[id] <= 0 || n.child_count > 0 || !builder_.divisible(n)) continue;
         const double rho = mean(to_double(scene_.instances[n.instance].reflectance[nodes.patch_of(n)]));
         const double harm = n.area * rho * rho * double(partial_[id]) * kShadowWithinFace * kShadowWithinFace;
-        if (harm > guide.limit(n.instance)) out.push_back(id);
+        if (harm > guide.limit(nodes, id)) out.push_back(id);
     }
     return out;
 }

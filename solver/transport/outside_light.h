@@ -16,7 +16,7 @@ class OutsideLight {
     OutsideLight(const Scene& scene, const Plan& plan, const LinkBuilder& builder, const SceneRays& rays,
                  const TransportOptions& options);
 
-    bool any() const { return sky_ || sun_ || lights_; }
+    bool any() const { return sky() || sun() || lights(); }
 
     /// Takes over what another one found in the same place. node: [nodes there] number here
     void take_over(const OutsideLight& from, const std::vector<std::uint32_t>& node);
@@ -36,6 +36,9 @@ class OutsideLight {
 
   private:
     struct Estimate;
+    bool sky() const { return built_in("sky") && sky_; }
+    bool sun() const { return built_in("sun") && sun_; }
+    bool lights() const { return built_in("lights") && lights_; }
     Estimate sample(const Nodes& nodes, std::uint32_t surface, double tolerance) const;
 
     const Scene& scene_;

@@ -104,7 +104,7 @@ PlainLinker::End PlainLinker::effective(const Node& n, const Node& other, const 
     const bool outside = n.instance != other.instance && !instance.bounds.overlaps(other.box);
     const auto table = outside ? data.whole_area : data.intrinsic_area;
     const std::uint32_t row = areas_.tables(n.instance).area_row[n.index];
-    if (row != kNoNode && !table.empty()) {
+    if (row != kNoNode && !table.empty() && !n.part()) {
         // A map changes the area projected along a line by its determinant over the stretch of that line.
         const Vec3 local = instance.to_local.vector(w);
         const double stretch = std::abs(instance.to_world.linear.determinant()) * length(local);

@@ -183,7 +183,9 @@ std::vector<Pair> first_pairs(const Nodes& nodes, bool within) {
 
 bool outgrown(const Link& l, const Nodes& nodes, const Guide& guide) {
     return harm(guide, nodes, l.a, l.b, double(l.error_a)) > kOutgrown ||
-           harm(guide, nodes, l.b, l.a, double(l.error_b)) > kOutgrown;
+           harm(guide, nodes, l.b, l.a, double(l.error_b)) > kOutgrown ||
+           std::max(noise_harm(guide, nodes, l.a, l.b, double(l.noise)), noise_harm(guide, nodes, l.b, l.a, double(l.noise))) >
+               kOutgrown * kNoiseShare;
 }
 
 void grow(Guide& guide, const Nodes& nodes) {

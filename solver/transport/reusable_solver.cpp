@@ -30,7 +30,7 @@ constexpr int kDirectRounds = 1;
 constexpr double kFirstShare = 1.0 / 1000;
 constexpr double kCoarseAccuracy = 0.3;
 // An instance by itself may be this many times worse than the scene.
-constexpr double kWorstInstance = 2;
+constexpr double kWorstInstance = 2.5;
 constexpr int kInstanceRounds = 1;  // for them alone
 // Instances below this share of the reflected power do not count by themselves (contract: accuracy).
 constexpr double kCountingShare = 1e-3;
@@ -186,6 +186,7 @@ class Engine : public ReusableSolver::State {
         LightField<C>& field = stage_->field;
         OutsideLight& outside = *stage_->outside;
         const auto start = Clock::now();
+        guide_.area = sources_.area;
         entering_ = 0;
         if (!outside.any()) return;
         if (progress) progress("sky, sun and lamps", 0);
@@ -550,8 +551,9 @@ TransportOptions effective(TransportOptions options, const Plan& plan) {
 
 std::unique_ptr<ReusableSolver::State> make_state(std::shared_ptr<const Scene> scene, const Plan& plan,
                                                   const TransportOptions& options, bool follows) {
-    if (plan.channels == 1) return std::make_unique<Engine<1>>(std::move(scene), plan, options, follows);
-    return std::make_unique<Engine<3>>(std::move(scene), plan, options, follows);
+    if constexpr (built_in("colour"))
+        if (plan.channels == 3) return std::make_unique<Engine<3>>(std::move(scene), plan, options, follows);
+    return std::make_unique<Engine<1>>(std::move(scene), plan, options, follows);
 }
 
 }  // namespace

@@ -1,9 +1,9 @@
 #include "solver/transport/solve_plain.h"
 
 #include <chrono>
-#include <ranges>
 
 #include "format/parallel.h"
+#include "solver/transport/channels.h"
 #include "solver/transport/plain_links.h"
 
 namespace rro {
@@ -36,7 +36,7 @@ class PlainLight {
     explicit PlainLight(const Nodes& nodes)
         : nodes_(nodes), radiosity_(nodes.size() * C, 0), irradiance_(nodes.size() * C, 0) {
         for_each_face([&](std::uint32_t id, const Rgb&, const Rgb& exitance) {
-            for (std::size_t c = 0; c < C; ++c) emitted_ += nodes_[id].area * double(component<C>(exitance, c)) / C;
+            emitted_ += nodes_[id].area * mean_over<C>([&](std::size_t c) { return double(component<C>(exitance, c)); });
         });
         extinguish();
     }
@@ -50,14 +50,16 @@ class PlainLight {
     void set_links(const std::vector<PlainLink>& links) {
         first_.assign(nodes_.size() + 1, 0);
         const auto carries = [](const PlainLink& l) { return l.exchange > 0; };
-        for (const PlainLink& l : links | std::views::filter(carries)) ++first_[l.a + 1], ++first_[l.b + 1];
+        for (const PlainLink& l : links)
+            if (carries(l)) ++first_[l.a + 1], ++first_[l.b + 1];
         for (std::size_t n = 0; n < nodes_.size(); ++n) first_[n + 1] += first_[n];
         halves_.resize(first_.back());
         std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
         const auto add = [&](std::uint32_t to, std::uint32_t from, float exchange) {
             halves_[next[to]++] = {from, static_cast<float>(double(exchange) / nodes_[to].area)};
         };
-        for (const PlainLink& l : links | std::views::filter(carries)) {
+        for (const PlainLink& l : links) {
+            if (!carries(l)) continue;
             add(l.a, l.b, l.exchange);
             add(l.b, l.a, l.exchange);
         }
@@ -80,16 +82,18 @@ class PlainLight {
         double sum = 0, area = 0;
         for_each_face([&](std::uint32_t id, const Rgb& reflectance, const Rgb&) {
             area += nodes_[id].area;
-            for (std::size_t c = 0; c < C; ++c)
-                sum += nodes_[id].area * std::pow(double(component<C>(reflectance, c)) * double(irradiance_[id * C + c]), 2);
+            sum += nodes_[id].area * mean_over<C>([&](std::size_t c) {
+                return std::pow(double(component<C>(reflectance, c)) * double(irradiance_[id * C + c]), 2);
+            });
         });
-        return area > 0 ? std::sqrt(sum / (area * C)) : 0.0;
+        return area > 0 ? std::sqrt(sum / area) : 0.0;
     }
 
     /// Mean over the channels. [nodes]
     std::vector<float> mean() const {
         std::vector<float> mean(nodes_.size(), 0);
-        for (std::size_t k = 0; k < radiosity_.size(); ++k) mean[k / C] += radiosity_[k] / C;
+        for (std::size_t id = 0; id < mean.size(); ++id)
+            mean[id] = mean_over<C>([&](std::size_t c) { return radiosity_[id * C + c]; });
         return mean;
     }
 
@@ -98,7 +102,7 @@ class PlainLight {
     double received() const {  // W, mean over the channels
         double sum = 0;
         for_each_face([&](std::uint32_t id, const Rgb&, const Rgb&) {
-            for (std::size_t c = 0; c < C; ++c) sum += nodes_[id].area * double(irradiance_[id * C + c]) / C;
+            sum += nodes_[id].area * mean_over<C>([&](std::size_t c) { return double(irradiance_[id * C + c]); });
         });
         return sum;
     }
@@ -155,7 +159,7 @@ class PlainLight {
             area += nodes_[nodes_.root(i)].area;
         }
         for (std::uint32_t g = nodes_.group_count(); g-- > 0;) average(g);
-        return area > 0 ? std::sqrt(sum / (area * C)) : 0.0;
+        return area > 0 ? std::sqrt(sum / area) : 0.0;
     }
 
     double reflect_instance(std::uint32_t i) {
@@ -165,12 +169,14 @@ class PlainLight {
             for (std::size_t c = 0; c < C; ++c) irradiance_[id * C + c] += irradiance_[nodes_[id].parent * C + c];
         double change = 0;
         for_each_face_of(i, [&](std::uint32_t id, const Rgb& reflectance, const Rgb& exitance) {
+            std::array<double, C> square;
             for (std::size_t c = 0; c < C; ++c) {
                 const float b = component<C>(exitance, c) + component<C>(reflectance, c) * irradiance_[id * C + c];
                 const double d = double(b) - double(radiosity_[id * C + c]);
-                change += nodes_[id].area * d * d;
+                square[c] = d * d;
                 radiosity_[id * C + c] = b;
             }
+            change += nodes_[id].area * mean_of(square);
         });
         for (std::uint32_t id = first_face; id-- > root;) average(id);
         return change;

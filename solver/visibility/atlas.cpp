@@ -9,7 +9,7 @@ namespace rro {
 namespace {
 
 // A shaft is wide enough where its narrow width is this many times R over the number of directions along the grid's side
-// (measured: design 4.4).
+// (measured with visibility_bench).
 constexpr double kNarrowest = 5;
 
 // Root mean square error of a partial cover: of the blend of directions for any width, and for edges that lie elsewhere

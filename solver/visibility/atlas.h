@@ -1,5 +1,5 @@
 // Mean transmittance of a shaft through one object without rays: the archive's silhouettes under the shaft's
-// cross-section (design 4.4).
+// cross-section.
 #pragma once
 
 #include <cstdint>

@@ -55,7 +55,8 @@ CrossSection cross_section(const LocalShaft& shaft, const Vec3& nearest_to) {
     c.t = dot(nearest_to - shaft.a, axis) / length2(axis);
     c.at = shaft.a + axis * c.t;
     c.direction = normalised(axis);
-    const auto [x, y, z] = frame_about(c.direction);
+    const auto frame = frame_about(c.direction);
+    const Vec3 &x = frame[0], &y = frame[1];
     double xx = 0, xy = 0, yy = 0;
     const auto add = [&](const Vec3& v, double share) {
         const double i = share * dot(v, x), j = share * dot(v, y);

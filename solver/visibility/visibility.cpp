@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t kMostCandidates = 64;
 
 // Silhouettes of objects in line correlate: their product is off by this much of the light that two or more of them share
-// out (measured: design 4.4).
+// out (measured with visibility_bench).
 constexpr double kProductError = 0.09;
 
 // The cost model of `auto`, nanoseconds (fitted to visibility_bench; figures there).

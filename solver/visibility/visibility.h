@@ -1,4 +1,4 @@
-// How much of what two ends send one another gets past everything else: one question, several methods (design 4.4).
+// How much of what two ends send one another gets past everything else: one question, several methods.
 //
 //   rays     exact lines between points of both ends (scene_rays.h), as many as a stop rule asks (sampling.h)
 //   tables   the same lines, but an object's stored hit probabilities answer where that errs little (tables.h; paper 3, 5)
@@ -38,7 +38,7 @@ class Visibility {
     Transmittance transmittance(const Shaft& shaft, const Demand& demand) const;
 
     /// The same for shafts that lie side by side, such as those of one light to the patches of a floor. Where all rays of
-    /// a shaft agree but a neighbour's do not, more are asked (design 4.4: best with StopRule::Paper, which is content
+    /// a shaft agree but a neighbour's do not, more are asked (best with StopRule::Paper, which is content
     /// with rays that agree).
     std::vector<Transmittance> transmittances(std::span<const Shaft> shafts, Neighbours neighbours, const Demand& demand) const;
 

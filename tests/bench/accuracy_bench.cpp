@@ -1,6 +1,8 @@
-// Error and cost of the reusable method, by either transport, against the Monte Carlo reference, on one scene.
+// Error and cost of the reusable method, by either transport, or of the hierarchical one, against the Monte Carlo
+// reference, on one scene.
 //
 //   accuracy_bench SCENE.json SAMPLES ACCURACY... [--reference-file FILE.csv] [--transport directional|plain]
+//                  [--method reusable|hierarchical]
 //   e.g. samples/scenes/cornell.json 1024 0.1 0.05 0.02
 //
 // Error: area-weighted relative root mean square of reflected radiosity over all faces and channels; the reference's own
@@ -148,9 +150,10 @@ void print_row(const char* asked, const Scene& scene, const Solution& s, const S
             name = scene.instances[i].name;
         }
     const double links = double(s.links.total());
-    std::printf("%-8s %-8.4f %-9.4f %-10.2f %+-9.4f %-9.2f %-8.2f %-8.2f %-10.0f %-10.1f %-10llu %s %.3f\n", asked, all.error(),
+    std::printf("%-8s %-8.4f %-9.4f %-10.2f %+-9.4f %-9.2f %-8.2f %-8.2f %-9llu %-10.0f %-10.1f %-10llu %s %.3f\n", asked, all.error(),
                 s.estimated_error, all.error() > 0 ? s.estimated_error / all.error() : 0.0,
-                all.reflected > 0 ? all.bias / all.reflected : 0.0, seconds, s.seconds.links + s.seconds.visibility, s.seconds.iterate, links,
+                all.reflected > 0 ? all.bias / all.reflected : 0.0, seconds, s.seconds.links + s.seconds.visibility, s.seconds.iterate,
+                static_cast<unsigned long long>(s.elements), links,
                 links > 0 ? double(s.links.bytes) / links : 0.0, static_cast<unsigned long long>(s.rays), name.c_str(), worst);
 }
 
@@ -158,16 +161,18 @@ void print_row(const char* asked, const Scene& scene, const Solution& s, const S
 
 int main(int argc, char** argv) {
     std::vector<const char*> words;
-    std::string file, transport = "directional";
+    std::string file, transport = "directional", method_name = "reusable";
     for (int k = 1; k < argc; ++k) {
         if (std::string(argv[k]) == "--reference-file" && k + 1 < argc) file = argv[++k];
         else if (std::string(argv[k]) == "--transport" && k + 1 < argc) transport = argv[++k];
+        else if (std::string(argv[k]) == "--method" && k + 1 < argc) method_name = argv[++k];
         else words.push_back(argv[k]);
     }
     const auto how = parse_transport(transport);
-    if (words.size() < 3 || !how) {
+    const auto method = parse_method(method_name);
+    if (words.size() < 3 || !how || !method) {
         std::fprintf(stderr, "usage: accuracy_bench SCENE.json SAMPLES ACCURACY... [--reference-file FILE.csv] "
-                             "[--transport directional|plain]\n");
+                             "[--transport directional|plain] [--method reusable|hierarchical]\n");
         return 2;
     }
     auto manifest = read_manifest(words[0]);
@@ -177,13 +182,14 @@ int main(int argc, char** argv) {
 
     std::printf("%s: %zu triangles, %zu instances; ", words[0], scene->triangle_count(), scene->instances.size());
     const Solution truth = reference(*scene, static_cast<std::uint32_t>(std::atoi(words[1])), file);
-    std::printf("%-8s %-8s %-9s %-10s %-9s %-9s %-8s %-8s %-10s %-10s %-10s %s\n", "asked", "error", "estimate", "est/error",
-                "bias", "seconds", "links s", "iter. s", "links", "bytes/link", "rays",
+    std::printf("%-8s %-8s %-9s %-10s %-9s %-9s %-8s %-8s %-9s %-10s %-10s %-10s %s\n", "asked", "error", "estimate", "est/error",
+                "bias", "seconds", "links s", "iter. s", "elements", "links", "bytes/link", "rays",
                 "worst instance above 0.1 % of the light");
     for (std::size_t k = 2; k < words.size(); ++k) {
         SolveOptions options;
         options.accuracy = std::atof(words[k]);
-        options.transport = *how;
+        options.method = *method;
+        if (*method == Method::Reusable) options.transport = *how;
         double seconds = 0;
         const Solution s = timed(*scene, options, seconds);
         print_row(words[k], *scene, s, truth, seconds);

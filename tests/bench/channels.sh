@@ -8,16 +8,8 @@
 set -euo pipefail
 
 solve=$1 folder=$2
-samples=$(cd "$(dirname "${BASH_SOURCE[0]}")/../../samples" && pwd)
 mkdir -p "$folder"
-python3 - "$samples" > "$folder/grey.json" <<'END'
-import json, sys
-scene = json.load(open(sys.argv[1] + "/scenes/cornell.json"))
-for instance in scene["instances"]:
-    instance["archive"] = sys.argv[1] + "/scenes/" + instance["archive"]
-    instance["materials"] = {"*": {"reflectance": [0.6] * 3} | ({"exitance": [50] * 3} if instance["name"] == "lamp" else {})}
-print(json.dumps(scene))
-END
+"$(dirname "${BASH_SOURCE[0]}")/grey_cornell.py" > "$folder/grey.json"
 for channels in 1 3; do
     with=(); [ "$channels" = 1 ] || with=(--with colour)
     valgrind --tool=callgrind --callgrind-out-file="$folder/$channels.callgrind" "$solve" run "$folder/grey.json" --accuracy 0.1 \

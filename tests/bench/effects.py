@@ -3,7 +3,7 @@
 
     tests/bench/effects.py RRO_SOLVE [RUNS]
 
-Needs samples/library. Times are medians of RUNS (3) interleaved solves; actual seconds are of links, visibility and iteration, as
+Needs samples/library. Times are medians of RUNS (5) interleaved solves, each scene once per round; actual seconds are of links, visibility and iteration, as
 processor seconds divided by threads, so that other work on the machine counts for little."""
 
 import json
@@ -67,6 +67,7 @@ def main(program, runs):
         for _ in range(runs):
             for row in rows:
                 row["reports"].append(solve(program, row["path"], row["options"], folder / "report.json"))
+    print(f"Medians of {runs} interleaved runs.\n")
     print("| scene | asked | channels | effects on | links: predicted, actual | rays: predicted, actual | seconds: predicted, actual "
           "| ratio | seconds per effect |")
     print("|---|---:|---:|---|---|---|---|---:|---|")
@@ -85,4 +86,4 @@ def main(program, runs):
 if __name__ == "__main__":
     if len(sys.argv) not in (2, 3):
         sys.exit("usage: tests/bench/effects.py RRO_SOLVE [RUNS]")
-    main(sys.argv[1], int(sys.argv[2]) if len(sys.argv) == 3 else 3)
+    main(sys.argv[1], int(sys.argv[2]) if len(sys.argv) == 3 else 5)

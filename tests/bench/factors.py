@@ -5,10 +5,10 @@
 
 Cases: cube3456 (a unit cube of 3,456 faces, a group each), obstructed696 (600 faces of a cube and 96 of a box in it, a
 group each), far26m (two spheres of 5,120 triangles side by side: 26 million pairs of triangles, nothing between),
-obstructed60k (three spheres of 20,480 triangles, the middle one hides part of the others), hall (128 tiles of floor and
+obstructed15k (three spheres of 5,120 triangles, the middle one hides part of the others), hall (128 tiles of floor and
 ceiling and 25 boxes between them), hall_moved (one of the boxes moved, what has not changed taken from the case before).
 Only if named: cube10000 (faces of a cube, a group each, nothing between), obstructed10000 (9,600 faces of a cube and 384 of
-four boxes in it); both write factors of 1e-5 and more. One thread.
+four boxes in it), which write factors of 1e-5 and more, and obstructed60k (as obstructed15k, of 20,480 triangles). One thread.
 """
 import csv, json, math, os, re, resource, subprocess, sys
 
@@ -90,15 +90,20 @@ def ball(name, level, **transform):
     return {"name": name, "archive": "sphere%d.rro" % level, "transform": transform}
 
 
+def three_balls(level):
+    return [ball("a", level), ball("b", level, translate=[4, 0, 0]), ball("between", level, translate=[2, .3, 0], scale=.4)]
+
+
 CASES = {
     "cube3456": lambda: box_faces(0, 1, 24, True, "wall"),
     "obstructed696": lambda: box_faces(0, 1, 10, True, "wall") + box_faces(.35, .3, 4, False, "box"),
     "far26m": lambda: [ball("a", 4), ball("b", 4, translate=[4, 0, 0])],
     "hall": lambda: hall(False),
     "hall_moved": lambda: hall(True),
-    "obstructed60k": lambda: [ball("a", 5), ball("b", 5, translate=[4, 0, 0]), ball("between", 5, translate=[2, .3, 0], scale=.4)],
+    "obstructed15k": lambda: three_balls(4),
 }
 LARGE = {
+    "obstructed60k": lambda: three_balls(5),
     "cube10000": lambda: box_faces(0, 1, 41, True, "wall")[:10000],
     "obstructed10000": lambda: box_faces(0, 1, 40, True, "wall") + sum((box_faces(at, .15, 4, False, "box%g" % at) for at in (.1, .35, .6, .8)), []),
 }

@@ -13,13 +13,6 @@ using namespace rro::test;
 
 namespace {
 
-CompileOptions quick() {
-    CompileOptions options;
-    options.image_resolution = 16;  // factors do not look at the tables
-    options.grid_size = 2;
-    return options;
-}
-
 Placed tile(const std::string& name, const Vec3& corner, const Vec3& u, const Vec3& v) {
     Mesh mesh = empty_mesh(false);
     add_parallelogram(mesh, corner, u, v, 1, false);
@@ -78,8 +71,8 @@ TEST_CASE("after a move only rows of what moved and pairs it shadows are compute
     const TemporaryFolder folder;
     FactorOptions options;
     const PreviousFactors before =
-        written_and_read(factors_of(make_scene(hall(1.5), quick()), options), folder.path() / "before.json");
-    const Scene moved = make_scene(hall(2.4), quick());
+        written_and_read(factors_of(make_scene(hall(1.5), least_tables()), options), folder.path() / "before.json");
+    const Scene moved = make_scene(hall(2.4), least_tables());
     const Factors scratch = factors_of(moved, options);
     CHECK(scratch.counts.reused == 0);
     options.previous = &before;
@@ -90,7 +83,7 @@ TEST_CASE("after a move only rows of what moved and pairs it shadows are compute
     CHECK(again.counts.reused >= 14 * 14);
     CHECK(again.counts.reused < 20 * 20);
 
-    const Factors same = factors_of(make_scene(hall(1.5), quick()), options);
+    const Factors same = factors_of(make_scene(hall(1.5), least_tables()), options);
     CHECK(same.counts.reused == 21 * 21);
     check_same(same, before);
 }
@@ -99,11 +92,11 @@ TEST_CASE("after a move only rows of what moved and pairs it shadows are compute
 TEST_CASE("what has come and gone is told by its name", "[factors][reuse]") {
     const TemporaryFolder folder;
     FactorOptions options;
-    const Scene with = make_scene(hall(1.5), quick());
+    const Scene with = make_scene(hall(1.5), least_tables());
     std::vector<Placed> empty = hall(1.5);
     empty.pop_back();
     std::reverse(empty.begin(), empty.end());
-    const Scene without = make_scene(empty, quick());
+    const Scene without = make_scene(empty, least_tables());
     const PreviousFactors full = written_and_read(factors_of(with, options), folder.path() / "full.json");
     const PreviousFactors bare = written_and_read(factors_of(without, options), folder.path() / "bare.json");
     options.previous = &full;
@@ -117,7 +110,7 @@ TEST_CASE("what has come and gone is told by its name", "[factors][reuse]") {
 }
 
 TEST_CASE("blocks of rows are the same bits as the whole", "[factors]") {
-    const Scene scene = make_scene(hall(1.5), quick());
+    const Scene scene = make_scene(hall(1.5), least_tables());
     FactorOptions options;
     const Factors whole = factors_of(scene, options);
     options.numbers_at_a_time = 21 * 4;
@@ -146,7 +139,7 @@ TEST_CASE("blocks of rows are the same bits as the whole", "[factors]") {
 TEST_CASE("factors that cannot be reused are refused by name", "[factors][reuse]") {
     const TemporaryFolder folder;
     const auto path = folder.path() / "f.json";
-    const Scene scene = make_scene(hall(1.5), quick());
+    const Scene scene = make_scene(hall(1.5), least_tables());
     const Factors f = factors_of(scene, {});
     const auto refused = [&](const std::string& what) {
         const auto read = read_previous_factors(path);

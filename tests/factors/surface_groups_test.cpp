@@ -12,13 +12,6 @@ using namespace rro::test;
 
 namespace {
 
-CompileOptions quick() {
-    CompileOptions options;
-    options.image_resolution = 16;
-    options.grid_size = 2;
-    return options;
-}
-
 /// A room of one material and a door, a box with the materials `default` (its first six triangles) and `panel`.
 Scene room_and_door() {
     Mesh door = make_box(0.1, 0.2, 0.1, 1, {0.5, 0.5, 0.5});
@@ -28,7 +21,7 @@ Scene room_and_door() {
     room.name = "room";
     Placed second{door};
     second.name = "door";
-    return make_scene({room, second}, quick());
+    return make_scene({room, second}, least_tables());
 }
 
 Error refused(Scene& scene, std::vector<GroupEntry> groups) {
@@ -80,7 +73,7 @@ TEST_CASE("groups that cannot be are refused by name", "[factors][groups]") {
 
 TEST_CASE("triangles in one plane become one polygon where it is convex", "[factors][surfaces]") {
     const auto polygons = [](const Mesh& mesh) {
-        const Scene scene = make_scene({{mesh}}, quick());
+        const Scene scene = make_scene({{mesh}}, least_tables());
         const Surfaces surfaces = gather_surfaces(scene, *surface_groups(scene, GroupBy::Auto), Sides::Front);
         double area = 0;
         for (const Polygon& p : surfaces.faces[0]) area += p.area;

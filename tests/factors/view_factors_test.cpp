@@ -14,13 +14,6 @@ using namespace rro::test;
 
 namespace {
 
-CompileOptions quick() {
-    CompileOptions options;
-    options.image_resolution = 16;  // factors do not look at the tables
-    options.grid_size = 2;
-    return options;
-}
-
 Factors factors_of(const Scene& scene, FactorOptions options = {}) {
     auto factors = view_factors(scene, options);
     if (!factors) FAIL(factors.error().message);
@@ -28,7 +21,7 @@ Factors factors_of(const Scene& scene, FactorOptions options = {}) {
 }
 
 Factors factors_of(const std::vector<Placed>& placed, FactorOptions options = {}) {
-    return factors_of(make_scene(placed, quick()), options);
+    return factors_of(make_scene(placed, least_tables()), options);
 }
 
 Factor entry(const Factors& f, std::uint32_t from, std::uint32_t to) {
@@ -260,6 +253,33 @@ TEST_CASE("rays agree with symmetry and with what is exact", "[factors]") {
             CHECK(std::abs(value(f, wall, other) - mean) <= 4 * error);
         }
     }
+}
+
+// Balls that lie apart are of too many triangles to look at pairs. A third one beside the space between them makes no
+// difference but that rays are asked: they must agree with the exact factor. A wall in between leaves nothing.
+TEST_CASE("rays between groups that lie apart agree with what is exact", "[factors]") {
+    const std::vector<Placed> balls{{make_sphere(3)}, {make_sphere(3, 1, {4, 0, 0})}};
+    const Factors exact = factors_of(balls);
+    CHECK(exact.counts.sampled == 0);
+    std::vector<Placed> scene = balls;
+    scene.push_back({make_sphere(0, 0.02, {2, 0.9, 0.9})});
+    FactorOptions options;
+    options.accuracy = 4e-3;
+    const Factors f = factors_of(scene, options);
+    CHECK(f.counts.sampled == 2);
+    CHECK(f.counts.missed == 0);
+    CHECK(f.counts.rays < 400'000);  // directions spread over the hemisphere take ten times as many to the same end
+    for (const auto& [from, to] : {std::pair{0u, 1u}, {1u, 0u}}) {
+        const double error = static_cast<double>(entry(f, from, to).standard_error);
+        INFO(value(f, from, to) << " +- " << error << ", exact " << value(exact, from, to) << ", rays " << f.counts.rays);
+        CHECK(error > 0);
+        CHECK(error <= options.accuracy * value(exact, from, to) / 3);
+        CHECK(std::abs(value(f, from, to) - value(exact, from, to)) <= 4 * error);
+    }
+    scene.back() = quad({2, -3, -3}, ey * 6, ez * 6, 1, true);
+    const Factors dark = factors_of(scene, options);
+    CHECK(dark.counts.sampled + dark.counts.cut > 0);
+    CHECK(value(dark, 0, 1) == 0);
 }
 
 // A panel between two plates: with both sides it has twice the area, and each plate sees one of them.

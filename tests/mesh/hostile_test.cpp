@@ -175,7 +175,6 @@ TEST_CASE("what a mesh has twice, or not at all, is counted", "[mesh][report]") 
                               "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\n"
                               "f 1 2 3\nf 4 5 6\nf 6 5 4\nf 1 3 7\nf 1 1 2 3\nf 7\n"));
     CHECK(report.welded_vertices == 2);
-    CHECK(report.duplicate_triangles == 2);  // 6 5 4, and what is left of 1 1 2 3
     CHECK(report.dropped_degenerate == 1);
     CHECK(report.ignored_faces == 1);
     CHECK(report.reflectance_assumed == 1);
@@ -184,7 +183,9 @@ TEST_CASE("what a mesh has twice, or not at all, is counted", "[mesh][report]") 
     Mesh copy = mesh;
     decide_sides(copy, TwoSided::Auto, false, sides);
     CHECK(sides.non_manifold_edges == 1);  // the diagonal; the square's own edges have two triangles each
-    CHECK(sides.open_edges == 2);          // of the fin
+    CHECK(sides.open_edges == 4);          // of the fin, and of the first triangle: its second copy is no neighbour
+    CHECK(sides.duplicate_triangles == 2);  // 6 5 4, and what is left of 1 1 2 3
+    CHECK(copy.source_triangle == std::vector<std::uint32_t>{0, 1, 3});
 }
 
 TEST_CASE("a self-touching polygon keeps its area, or says what it lost", "[mesh][report]") {

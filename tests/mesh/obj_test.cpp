@@ -27,7 +27,11 @@ TEST_CASE("numbers follow the file's faces, and dropped triangles keep theirs", 
     CHECK(corners(mesh, 1) == TriangleCorners{Vec3{0, 0, 0}, Vec3{1, 1, 0}, Vec3{0, 1, 0}});
     CHECK(report.ignored_faces == 1);
     CHECK(report.welded_vertices == 0);
-    CHECK(report.duplicate_triangles == 1);  // number 4 is number 0 again
+    Mesh decided = mesh;
+    ImportReport sides;
+    decide_sides(decided, TwoSided::Auto, false, sides);
+    CHECK(sides.duplicate_triangles == 1);  // number 4 is number 0 again
+    CHECK(decided.source_triangle == std::vector<std::uint32_t>{0, 1, 5});
 }
 
 TEST_CASE("faces stay in the order of the file across groups and materials", "[mesh][obj]") {

@@ -88,10 +88,27 @@ TEST_CASE("surfaces that touch in a point, or a corner, stay apart", "[mesh][sid
     CHECK(sides.mesh.closed);
 }
 
-TEST_CASE("duplicate and non-manifold faces make their component two-sided, never an error", "[mesh][sides]") {
-    Mesh duplicate = make_box(1, 1, 1);
-    duplicate.triangles.push_back(duplicate.triangles[3]);
-    CHECK(decided(duplicate).report.two_sided_triangles == 13);
+TEST_CASE("a triangle that is there twice counts once", "[mesh][sides]") {
+    // The same way round, whichever corner comes first: a closed box stays closed.
+    Mesh box = make_box(1, 1, 1);
+    const auto [a, b, c] = box.triangles[3];
+    add_triangle(box, b, c, a);
+    const Decision closed = decided(box);
+    CHECK(closed.report.duplicate_triangles == 1);
+    CHECK(closed.mesh.source_triangle.size() == 12);
+    CHECK(closed.report.one_sided_triangles == 12);
+    // The other way round: of two-sided triangles one does, and the first stays; one-sided ones are the two sides of a sheet.
+    Mesh sheet = make_quad(1, 1);
+    for (const std::size_t t : {0u, 1u}) add_triangle(sheet, sheet.triangles[t][1], sheet.triangles[t][0], sheet.triangles[t][2]);
+    const Decision both = decided(sheet), back_to_back = decided(sheet, TwoSided::No);
+    CHECK(both.report.duplicate_triangles == 2);
+    CHECK(both.mesh.source_triangle == std::vector<std::uint32_t>{0, 1});
+    CHECK(both.report.two_sided_triangles == 2);
+    CHECK(back_to_back.report.duplicate_triangles == 0);
+    CHECK(back_to_back.report.one_sided_triangles == 4);
+}
+
+TEST_CASE("non-manifold faces make their component two-sided, never an error", "[mesh][sides]") {
     // Two boxes that share an edge: four triangles meet there.
     CHECK(decided(merged(make_box(1, 1, 1), make_box(1, 1, 1, 1, {1, 1, 0}))).report.two_sided_triangles == 24);
     // An inner wall.
@@ -196,8 +213,9 @@ TEST_CASE("thousands of triangles around one vertex, in no order, are decided li
         Mesh open = spindle(around);
         open.triangles.pop_back();
         CHECK(decided(open).report.closed_components == 0);
-        Mesh doubled = spindle(around);
-        doubled.triangles.push_back(doubled.triangles[0]);
-        CHECK(decided(doubled).report.closed_components == 0);
+        Mesh finned = spindle(around);
+        const auto [a, b, c] = finned.triangles[0];
+        finned.triangles.push_back({a, b, 7});
+        CHECK(decided(finned).report.closed_components == 0);
     }
 }

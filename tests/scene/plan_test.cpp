@@ -217,3 +217,17 @@ TEST_CASE("flatness survives the rounding of coordinates, and a dent is seen", "
     object.positions[0].z += 1e-3f;  // of coordinates near 50, where float32 steps are 4e-6
     CHECK_FALSE(is_flat(object.data()));
 }
+
+TEST_CASE("a build without an effect refuses scenes that call for it", "[effects]") {
+    SceneFiles files;
+    const Plan plan = plan_of(files, instance("bulb", kGreyLamp));
+    CHECK(all_built(plan, kEffects, "room.json"));
+    CHECK(all_built(plan, std::array<std::string_view, 1>{"emitters"}, "room.json"));  // all that a single bulb calls for
+    const Status refused = all_built(plan, std::array<std::string_view, 2>{"sky", "sun"}, "room.json");
+    REQUIRE_FALSE(refused);
+    CHECK(refused.error().kind == ErrorKind::BadInput);
+    CHECK(refused.error().where == "room.json");
+    CHECK(refused.error().message ==
+          "calls for emitters (bulb: exitance 20 W/m^2 at material lamp), which this build leaves out");
+    CHECK_THAT(refused.error().hint, Contains("RRO_EFFECTS") && Contains("--without emitters"));
+}

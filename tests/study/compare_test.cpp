@@ -14,16 +14,9 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-CompileOptions quick() {
-    CompileOptions options;
-    options.image_resolution = 16;
-    options.grid_size = 2;
-    return options;
-}
-
 /// A box in which every face reflects `reflected` W/m^2, and takes `seconds` to solve.
 SolvedScene solved(double reflected, double seconds = 1) {
-    SolvedScene s{make_scene({{make_box(1, 2, 3), {}, {0.5, 0.5, 0.5}, {2, 2, 2}, "box"}}, quick()), {}, 1000};
+    SolvedScene s{make_scene({{make_box(1, 2, 3), {}, {0.5, 0.5, 0.5}, {2, 2, 2}, "box"}}, least_tables()), {}, 1000};
     const auto b = static_cast<float>(2 + reflected);
     s.solution.instances.resize(1);
     s.solution.instances[0].radiosity.assign(s.scene.instances[0].data().faces.size(), Rgb{b, b, b});
@@ -85,7 +78,7 @@ TEST_CASE("compare: the difference of reflected radiosity is relative to the bas
 
 TEST_CASE("compare: triangles are matched by their numbers in the source", "[compare]") {
     // A finer box has the first 12 numbers in common with the coarse one, and more besides.
-    SolvedScene fine{make_scene({{make_box(1, 2, 3, 2), {}, {0.5, 0.5, 0.5}, {2, 2, 2}, "box"}}, quick()), {}, 0};
+    SolvedScene fine{make_scene({{make_box(1, 2, 3, 2), {}, {0.5, 0.5, 0.5}, {2, 2, 2}, "box"}}, least_tables()), {}, 0};
     fine.solution.instances.resize(1);
     fine.solution.instances[0].radiosity.assign(48, Rgb{3, 3, 3});
     const RadiosityDifference d = radiosity_difference(solved(1), fine);

@@ -16,13 +16,6 @@ namespace {
 
 constexpr double kFloat = 1e-6;  // results are stored in single precision
 
-CompileOptions quick() {
-    CompileOptions options;
-    options.image_resolution = 16;  // the reference does not look at the tables
-    options.grid_size = 2;
-    return options;
-}
-
 Solution solve(const Scene& scene, std::uint32_t samples) {
     ReferenceOptions options;
     options.samples = samples;
@@ -37,7 +30,7 @@ Vec3 all(double value) {
 
 /// A square of edge 1 about the origin, front up, in divisions^2 cells.
 Scene one_square(double reflectance = 0, bool two_sided = false, int divisions = 1) {
-    return make_scene({{make_quad(1, 1, two_sided, divisions), {}, all(reflectance), {}}}, quick());
+    return make_scene({{make_quad(1, 1, two_sided, divisions), {}, all(reflectance), {}}}, least_tables());
 }
 
 Side side_of(const Scene& scene, std::size_t face) {
@@ -91,7 +84,7 @@ TEST_CASE("the CIE overcast sky: 7/9 pi L_z horizontally, pi/6 + 4/9 L_z vertica
     // L varies by a third of its mean over cosine-weighted directions: 7 pi x 0.2 / sqrt(2^13) is 0.05 without any gain from
     // stratification.
     CHECK(mean_irradiance(solve(scene, 1 << 12)) == Approx(7 * pi).margin(0.05));
-    Scene wall = make_scene({{make_quad(1, 1), {Mat3{{Vec3{0, 1, 0}, Vec3{1, 0, 0}, Vec3{0, 0, -1}}}, {}}, {}, {}}}, quick());
+    Scene wall = make_scene({{make_quad(1, 1), {Mat3{{Vec3{0, 1, 0}, Vec3{1, 0, 0}, Vec3{0, 0, -1}}}, {}}, {}, {}}}, least_tables());
     wall.sky = scene.sky;
     // Half of the directions meet the ground: a standard deviation of about 15.
     CHECK(mean_irradiance(solve(wall, 1 << 13)) == Approx(9 * (pi / 6 + 4.0 / 9)).margin(0.1));
@@ -136,7 +129,7 @@ TEST_CASE("the sun's half shadow is as wide as its disc asks, and falls as the d
     const double radius = std::atan(0.5), reach = std::sin(radius);
     Scene scene = make_scene({{make_quad(2, 0.1, false, 20), {}, {}, {}},
                               {make_quad(4, 8), translation({-2, 1, 0}), {}, {}}},
-                             quick());
+                             least_tables());
     scene.sun = Sun{{0, -1, 0}, all(1000), radius};
     const Solution s = solve(scene, 256);
     // E at x: the share of the disc with x + dx / dy > 0, by midpoints of its unit square.
@@ -208,7 +201,7 @@ TEST_CASE("a spot lights what lies in its cone, an IES lamp by its table", "[ref
 }
 
 TEST_CASE("a point light in a closed room: all of 4 pi I is absorbed", "[reference][lights]") {
-    Scene scene = make_scene({{turned_inside_out(make_box(3, 2, 4, 2)), {}, all(0.5), {}}}, quick());
+    Scene scene = make_scene({{turned_inside_out(make_box(3, 2, 4, 2)), {}, all(0.5), {}}}, least_tables());
     PointLight light;
     light.position = {0.3, 0.2, -0.4};
     light.intensity = {1, 2, 3};
@@ -238,7 +231,7 @@ TEST_CASE("a closed diffusing shell under a uniform sky: B = tau pi L / (1 - rho
     shell.two_sided.assign(shell.two_sided.size(), 1);
     shell.closed = false;
     const double rho = 0.5, tau = 0.3, inside = tau * pi / (1 - rho);
-    Scene scene = make_scene({{shell, {}, all(rho), {}}}, quick());
+    Scene scene = make_scene({{shell, {}, all(rho), {}}}, least_tables());
     transmit(scene, tau);
     scene.sky = Sky::uniform(all(1), false);
     const Solution s = solve(scene, 1 << 10);
@@ -271,7 +264,7 @@ TEST_CASE("Beer-Lambert between two plates", "[reference][medium]") {
         }
     Mesh lamp = make_quad(1, 1);
     const Affine3 turned{Mat3{{Vec3{1, 0, 0}, Vec3{0, -1, 0}, Vec3{0, 0, -1}}}, {0, 1, 0}};
-    Scene scene = make_scene({{make_quad(1, 1), {}, {}, {}}, {lamp, turned, {}, all(1)}}, quick());
+    Scene scene = make_scene({{make_quad(1, 1), {}, {}, {}}, {lamp, turned, {}, all(1)}}, least_tables());
     scene.medium = Medium{{absorption, 0, 2 * absorption}};
     const Solution s = solve(scene, 1 << 13);
     CHECK(mean_irradiance(s, 0) == Approx(expected).margin(0.002));
@@ -302,7 +295,7 @@ TEST_CASE("a medium weakens lamps by distance, and sky and sun to nothing", "[re
 }
 
 TEST_CASE("a closed room gets exactly nothing of sky and sun", "[reference][sky]") {
-    Scene scene = make_scene({{turned_inside_out(make_box(3, 2, 4, 3)), {}, all(0.7), {}}}, quick());
+    Scene scene = make_scene({{turned_inside_out(make_box(3, 2, 4, 3)), {}, all(0.7), {}}}, least_tables());
     scene.sky = Sky::uniform(all(1), false);
     scene.sun = Sun{normalised({1, -2, 0.5}), all(1000), 0.0046};
     const Solution s = solve(scene, 256);
@@ -315,7 +308,7 @@ TEST_CASE("all effects together balance, and two seeds differ as their errors sa
     Scene scene = make_scene({{make_quad(2, 2, true, 2), translation({0, 1, 0}), {0.4, 0.3, 0.2}, {}},
                               {make_quad(4, 4, false, 3), {}, {0.5, 0.5, 0.5}, {}},
                               {make_box(0.3, 0.3, 0.3), translation({0.8, 0.3, 0}), {0.2, 0.2, 0.2}, {5, 4, 3}}},
-                             quick());
+                             least_tables());
     transmit(scene, 0.3);
     scene.sky = Sky::cie_overcast({1, 2, 3}, true);
     scene.sun = Sun{normalised({0.3, -1, 0.2}), {10, 9, 8}, 0.02};

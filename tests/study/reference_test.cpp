@@ -10,13 +10,6 @@ using namespace rro::test;
 
 namespace {
 
-CompileOptions quick() {
-    CompileOptions options;
-    options.image_resolution = 16;  // the reference does not look at the tables
-    options.grid_size = 2;
-    return options;
-}
-
 Solution solve(const Scene& scene, std::uint32_t samples, double accuracy = 0.02) {
     ReferenceOptions options;
     options.samples = samples;
@@ -26,25 +19,11 @@ Solution solve(const Scene& scene, std::uint32_t samples, double accuracy = 0.02
     return std::move(*solution);
 }
 
-/// The parallelogram corner + [0, 1] u + [0, 1] v as an object; front along u x v.
-Placed quad(const Vec3& corner, const Vec3& u, const Vec3& v, double reflectance, double exitance, int divisions = 1) {
-    Mesh mesh = empty_mesh(false);
-    add_parallelogram(mesh, corner, u, v, divisions);
-    return {mesh, {}, Vec3{1, 1, 1} * reflectance, Vec3{1, 1, 1} * exitance};
+Placed floor_panel(double reflectance, double exitance) {
+    return panel({0, 0, 0}, {0, 0, 1}, {1, 0, 0}, reflectance, exitance);
 }
-
-Placed floor_quad(double reflectance, double exitance) {
-    return quad({0, 0, 0}, {0, 0, 1}, {1, 0, 0}, reflectance, exitance);
-}
-Placed ceiling_quad(double exitance) {
-    return quad({0, 1, 0}, {1, 0, 0}, {0, 0, 1}, 0, exitance);
-}
-
-/// Mean irradiance of an instance, by area; its faces have equal areas in these tests.
-double mean_irradiance(const Solution& s, std::size_t instance) {
-    double sum = 0;
-    for (const Rgb& e : s.instances[instance].irradiance) sum += e.x;
-    return sum / static_cast<double>(s.instances[instance].irradiance.size());
+Placed ceiling_panel(double exitance) {
+    return panel({0, 1, 0}, {1, 0, 0}, {0, 0, 1}, 0, exitance);
 }
 
 }  // namespace
@@ -55,25 +34,26 @@ double mean_irradiance(const Solution& s, std::size_t instance) {
 TEST_CASE("irradiance under a unit emitter is the exact form factor", "[reference]") {
     constexpr std::uint32_t kSamples = 1 << 15;
     const auto factor = [&](std::vector<Placed> placed) {
-        return mean_irradiance(solve(make_scene(placed, quick()), kSamples), 0);
+        const Scene scene = make_scene(placed, least_tables());
+        return irradiance(scene, solve(scene, kSamples), 0).mean;
     };
     SECTION("facing unit squares (Howell C-11)") {
-        CHECK(factor({floor_quad(0, 0), ceiling_quad(1)}) == Approx(0.199824895698387).margin(0.005));
+        CHECK(factor({floor_panel(0, 0), ceiling_panel(1)}) == Approx(0.199824895698387).margin(0.005));
     }
     SECTION("unit squares at right angles with a common edge (C-14)") {
-        CHECK(factor({floor_quad(0, 0), quad({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 0, 1)}) ==
+        CHECK(factor({floor_panel(0, 0), panel({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 0, 1)}) ==
               Approx(0.200043776075403).margin(0.005));
     }
     SECTION("facing unit squares, half a square midway: black and one-sided, its back blocks as its front does") {
         const Vec3 corner{0.25, 0.5, 0.25}, x{0.5, 0, 0}, z{0, 0, 0.5};
-        CHECK(factor({floor_quad(0, 0), ceiling_quad(1), quad(corner, x, z, 0, 0)}) ==
+        CHECK(factor({floor_panel(0, 0), ceiling_panel(1), panel(corner, x, z, 0, 0)}) ==
               Approx(0.0995062945989848).margin(0.005));
-        CHECK(factor({floor_quad(0, 0), ceiling_quad(1), quad(corner, z, x, 0, 0)}) ==
+        CHECK(factor({floor_panel(0, 0), ceiling_panel(1), panel(corner, z, x, 0, 0)}) ==
               Approx(0.0995062945989848).margin(0.005));
     }
     SECTION("squares that turn their backs") {
-        CHECK(factor({quad({0, 0, 0}, {1, 0, 0}, {0, 0, 1}, 0, 0), ceiling_quad(1)}) == 0);
-        CHECK(factor({floor_quad(0, 0), quad({0, 1, 0}, {0, 0, 1}, {1, 0, 0}, 0, 1)}) == 0);
+        CHECK(factor({panel({0, 0, 0}, {1, 0, 0}, {0, 0, 1}, 0, 0), ceiling_panel(1)}) == 0);
+        CHECK(factor({floor_panel(0, 0), panel({0, 1, 0}, {0, 0, 1}, {1, 0, 0}, 0, 1)}) == 0);
     }
 }
 
@@ -84,11 +64,11 @@ TEST_CASE("the same factor where the objects are mirrored, sheared and stretched
     const auto before = [&](const Vec3& p) { return mirrored.inverse().point(p); };
     // In the object the front must lie on the side that becomes the top: v x u, as mirroring turns the winding.
     const Vec3 o = before({0, 0, 0}), x = before({1, 0, 0}) - o, z = before({0, 0, 1}) - o;
-    Placed receiver = quad(o, x, z, 0, 0);
+    Placed receiver = panel(o, x, z, 0, 0);
     receiver.to_world = mirrored;
-    const Scene scene = make_scene({receiver, ceiling_quad(1)}, quick());
+    const Scene scene = make_scene({receiver, ceiling_panel(1)}, least_tables());
     const Solution s = solve(scene, 1 << 15);
-    CHECK(mean_irradiance(s, 0) == Approx(0.199824895698387).margin(0.005));
+    CHECK(irradiance(scene, s, 0).mean == Approx(0.199824895698387).margin(0.005));
     CHECK(s.energy.emitted.x == Approx(1.0).epsilon(1e-6));  // 1 W/m^2 on 1 m^2, whatever the transform
 }
 
@@ -96,18 +76,18 @@ TEST_CASE("inside the unit cube: opposite and adjacent walls, rows sum to 1", "[
     // One emitting wall, five black ones, in one archive per wall.
     const Vec3 x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1}, o{0, 0, 0}, c{1, 1, 1};
     const Scene scene =
-        make_scene({quad(o, z, x, 0, 0), quad(o, x, y, 0, 0), quad(o, y, z, 0, 0), quad(c, -1 * y, -1 * x, 0, 0),
-                    quad(c, -1 * z, -1 * y, 0, 0), quad(c, -1 * x, -1 * z, 0, 1)},
-                   quick());
+        make_scene({panel(o, z, x, 0, 0), panel(o, x, y, 0, 0), panel(o, y, z, 0, 0), panel(c, -1 * y, -1 * x, 0, 0),
+                    panel(c, -1 * z, -1 * y, 0, 0), panel(c, -1 * x, -1 * z, 0, 1)},
+                   least_tables());
     const Solution s = solve(scene, 1 << 14);
-    CHECK(mean_irradiance(s, 0) == Approx(0.199824895698387).margin(0.006));
-    double sum = mean_irradiance(s, 0);
+    CHECK(irradiance(scene, s, 0).mean == Approx(0.199824895698387).margin(0.006));
+    double sum = irradiance(scene, s, 0).mean;
     for (std::size_t i = 1; i < 5; ++i) {
-        CHECK(mean_irradiance(s, i) == Approx(0.200043776075403).margin(0.006));
-        sum += mean_irradiance(s, i);
+        CHECK(irradiance(scene, s, i).mean == Approx(0.200043776075403).margin(0.006));
+        sum += irradiance(scene, s, i).mean;
     }
     CHECK(sum == Approx(1.0).margin(0.01));
-    CHECK(mean_irradiance(s, 5) == 0);  // the emitter sees only black walls
+    CHECK(irradiance(scene, s, 5).mean == 0);  // the emitter sees only black walls
     CHECK(s.energy.escaped.x == 0);     // closed
 }
 
@@ -117,7 +97,7 @@ TEST_CASE("white furnace: B = M / (1 - rho) on every face, and the reported erro
     const Vec3 grey = Vec3{1, 1, 1} * rho, darker = Vec3{1, 1, 1} * (rho / 2);
     const Scene scene = make_scene({{turned_inside_out(make_box(2, 1.5, 1, 2)), {}, grey, Vec3{1, 1, 1} - grey},
                                     {make_sphere(1, 0.3), {}, darker, Vec3{1, 1, 1} - darker}},
-                                   quick());
+                                   least_tables());
     const Solution s = solve(scene, 512);
     double squares = 0, worst = 0;
     int count = 0;
@@ -149,7 +129,7 @@ TEST_CASE("white furnace: B = M / (1 - rho) on every face, and the reported erro
 TEST_CASE("energy: what is emitted is absorbed or escapes", "[reference]") {
     // An open lamp over a floor that shows its black back to nobody, and one that shows it to the lamp.
     const Scene scene =
-        make_scene({floor_quad(0.5, 0), ceiling_quad(2), quad({2, 0, 0}, {1, 0, 0}, {0, 0, 1}, 0.5, 0)}, quick());
+        make_scene({floor_panel(0.5, 0), ceiling_panel(2), panel({2, 0, 0}, {1, 0, 0}, {0, 0, 1}, 0.5, 0)}, least_tables());
     const Solution s = solve(scene, 1 << 13);
     CHECK(s.energy.emitted.x == Approx(2.0).epsilon(1e-6));
     CHECK(s.energy.escaped.x > 1);
@@ -160,7 +140,7 @@ TEST_CASE("energy: what is emitted is absorbed or escapes", "[reference]") {
 TEST_CASE("interreflection between facing squares", "[reference]") {
     // rho = 0.5 and 0.8, M = 1 and 0; one constant each: 1.01623124088395 and 0.162454641372062 (exact). The continuous
     // solution differs from it by the radiosity's variation over the squares, well under 1 % of B here.
-    const Scene scene = make_scene({floor_quad(0.5, 1), quad({0, 1, 0}, {1, 0, 0}, {0, 0, 1}, 0.8, 0)}, quick());
+    const Scene scene = make_scene({floor_panel(0.5, 1), panel({0, 1, 0}, {1, 0, 0}, {0, 0, 1}, 0.8, 0)}, least_tables());
     const Solution s = solve(scene, 1 << 14);
     const auto mean = [&](std::size_t i) {
         return 0.5 * (s.instances[i].radiosity[0].x + s.instances[i].radiosity[1].x);
@@ -173,7 +153,7 @@ TEST_CASE("both sides of a two-sided panel emit and reflect", "[reference]") {
     Mesh panel = make_quad(1, 1, true);
     const Scene scene = make_scene(
         {{panel, {}, {0.5, 0.5, 0.5}, {1, 1, 1}}, {turned_inside_out(make_box(4, 4, 4)), {}, {0.5, 0.5, 0.5}, {}}},
-        quick());
+        least_tables());
     const Solution s = solve(scene, 256);
     REQUIRE(s.instances[0].radiosity.size() == 4);
     CHECK(s.energy.emitted.x == Approx(2.0).epsilon(1e-6));  // 2 M A
@@ -185,7 +165,7 @@ TEST_CASE("both sides of a two-sided panel emit and reflect", "[reference]") {
 TEST_CASE("the same numbers for any number of threads, others for another seed", "[reference]") {
     const Scene scene = make_scene({{turned_inside_out(make_box(2, 1.5, 1, 2)), {}, {0.5, 0.6, 0.7}, {}, "room"},
                                     {make_sphere(1, 0.3), {}, {0.3, 0.3, 0.3}, {1, 2, 3}, "lamp"}},
-                                   quick());
+                                   least_tables());
     const auto with_threads = [&](unsigned threads) {
         set_thread_count(threads);
         const Solution s = solve(scene, 32);
@@ -209,7 +189,7 @@ TEST_CASE("the same numbers for any number of threads, others for another seed",
 TEST_CASE("samples double until the accuracy asked is reached", "[reference]") {
     const Scene scene = make_scene({{turned_inside_out(make_box(2, 1.5, 1)), {}, {0.5, 0.5, 0.5}, {}},
                                     {make_box(0.3, 0.3, 0.3), {}, {0.2, 0.2, 0.2}, {1, 1, 1}}},
-                                   quick());
+                                   least_tables());
     const Solution coarse = solve(scene, 0, 0.1), fine = solve(scene, 0, 0.02);
     CHECK(coarse.converged);
     CHECK(coarse.estimated_error <= 0.1);
@@ -236,7 +216,7 @@ TEST_CASE("samples double until the accuracy asked is reached", "[reference]") {
 }
 
 TEST_CASE("a scene without light is dark and done", "[reference]") {
-    const Scene scene = make_scene({floor_quad(0.5, 0)}, quick());
+    const Scene scene = make_scene({floor_panel(0.5, 0)}, least_tables());
     const Solution s = solve(scene, 0);
     CHECK(s.converged);
     CHECK(s.estimated_error == 0);
@@ -246,5 +226,5 @@ TEST_CASE("a scene without light is dark and done", "[reference]") {
 TEST_CASE("a senseless accuracy is refused", "[reference]") {
     ReferenceOptions options;
     options.accuracy = 0;
-    CHECK_FALSE(solve_reference(make_scene({floor_quad(0.5, 0)}, quick()), options));
+    CHECK_FALSE(solve_reference(make_scene({floor_panel(0.5, 0)}, least_tables()), options));
 }

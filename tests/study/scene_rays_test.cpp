@@ -64,20 +64,13 @@ SceneTriangle any_triangle(const Scene& scene, Random& random) {
     return {instance, random.below(count)};
 }
 
-CompileOptions quick() {
-    CompileOptions options;
-    options.image_resolution = 16;  // rays do not look at the tables
-    options.grid_size = 2;
-    return options;
-}
-
 Scene scattered_spheres() {
     Random random(21);
     std::vector<Placed> placed;
     for (int i = 0; i < 12; ++i)
         placed.push_back(
             {make_sphere(1, random(0.1, 0.4)), skew_transform(i % 2 == 1, random.in_box({{-2, -2, -2}, {2, 2, 2}}))});
-    return make_scene(placed, quick());
+    return make_scene(placed, least_tables());
 }
 
 }  // namespace
@@ -118,7 +111,7 @@ TEST_CASE("a closed room does not leak, wherever a ray starts", "[scene_rays]") 
     const Vec3 at = GENERATE(Vec3{0, 0, 0}, Vec3{300, -20, 40});
     const bool mirrored = GENERATE(false, true);
     const Mesh room = turned_inside_out(make_box(5, 3, 4, 3));
-    const Scene scene = make_scene({{room, skew_transform(mirrored, at)}}, quick());
+    const Scene scene = make_scene({{room, skew_transform(mirrored, at)}}, least_tables());
     const SceneRays rays(scene);
     Random random(31);
     int escaped = 0, wrong_side = 0, in_own_plane = 0;
@@ -138,7 +131,7 @@ TEST_CASE("a closed room does not leak, wherever a ray starts", "[scene_rays]") 
 
 TEST_CASE("a flat surface of many triangles does not block its own rays", "[scene_rays]") {
     // Tilted, so that no coordinate of its plane is exact in float.
-    const Scene scene = make_scene({{make_quad(2, 3, false, 20), skew_transform(false, {3, 4, 5})}}, quick());
+    const Scene scene = make_scene({{make_quad(2, 3, false, 20), skew_transform(false, {3, 4, 5})}}, least_tables());
     const SceneRays rays(scene);
     Random random(32);
     int blocked = 0;
@@ -153,7 +146,7 @@ TEST_CASE("a flat surface of many triangles does not block its own rays", "[scen
 
 TEST_CASE("in an empty convex room every two points see each other", "[scene_rays]") {
     const Scene scene =
-        make_scene({{turned_inside_out(make_box(5, 3, 4, 3)), skew_transform(true, {7, 8, 9})}}, quick());
+        make_scene({{turned_inside_out(make_box(5, 3, 4, 3)), skew_transform(true, {7, 8, 9})}}, least_tables());
     const SceneRays rays(scene);
     Random random(33);
     const Candidates all{0};
@@ -205,7 +198,7 @@ TEST_CASE("the ends' own triangles do not block, others do", "[scene_rays]") {
     // Three unit squares in the planes y = 0, 1, 2.
     const Scene scene = make_scene(
         {{make_quad(1, 1)}, {make_quad(1, 1), translation({0, 1, 0})}, {make_quad(1, 1), translation({0, 2, 0})}},
-        quick());
+        least_tables());
     const SceneRays rays(scene);
     const auto triangle_at = [&](double y) {
         const SceneHit hit = rays.first_hit({0.2, y + 0.5, 0.1}, {0, -1, 0});
@@ -231,7 +224,7 @@ TEST_CASE("candidates hold all instances that a shaft meets, and leave out those
     for (int i = 0; i < 40; ++i)
         placed.push_back({make_box(random(0.1, 0.5), random(0.1, 0.5), random(0.1, 0.5)),
                           translation(random.in_box({{-4, -4, -4}, {4, 4, 4}}))});
-    const Scene scene = make_scene(placed, quick());
+    const Scene scene = make_scene(placed, least_tables());
     const SceneRays rays(scene);
     std::size_t kept = 0, in_common_box = 0;
     Candidates found;
@@ -268,7 +261,7 @@ TEST_CASE("candidates hold all instances that a shaft meets, and leave out those
 
 TEST_CASE("rays are as precise a million metres from the origin of the world", "[scene_rays]") {
     const Vec3 far{1e6, -2e6, 3e6};
-    const Scene scene = make_scene({{make_quad(1, 1), translation(far)}}, quick());
+    const Scene scene = make_scene({{make_quad(1, 1), translation(far)}}, least_tables());
     const SceneRays rays(scene);
     const SceneHit hit = rays.first_hit(far + Vec3{0.1, 2, 0.2}, {0, -4, 0});
     REQUIRE(hit.instance == 0);

@@ -1,7 +1,8 @@
-// Scenes built in memory from meshes, without files: compile, encode, read back, place.
+// Scenes built in memory from meshes, without files: compile, encode, read back, place. Means over their faces.
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -11,6 +12,7 @@
 #include "compiler/compile_object.h"
 #include "format/archive_writer.h"
 #include "solver/scene/scene.h"
+#include "solver/solution.h"
 #include "tests/support/meshes.h"
 
 namespace rro::test {
@@ -31,6 +33,21 @@ inline CompileOptions coarse_tables() {
     options.tables.hit = false;
     options.tables.atlas = false;
     return options;
+}
+
+/// As little as an archive can hold, for tests of what does not look at the tables.
+inline CompileOptions least_tables() {
+    CompileOptions options;
+    options.image_resolution = 16;
+    options.grid_size = 2;
+    return options;
+}
+
+/// The parallelogram corner + [0, 1] u + [0, 1] v as an object, grey; front along u x v.
+inline Placed panel(const Vec3& corner, const Vec3& u, const Vec3& v, double reflectance, double exitance, int divisions = 1) {
+    Mesh mesh = empty_mesh(false);
+    add_parallelogram(mesh, corner, u, v, divisions);
+    return {mesh, {}, Vec3{1, 1, 1} * reflectance, Vec3{1, 1, 1} * exitance};
 }
 
 /// The mesh as an archive, opened, with its ray structure and lookups.
@@ -77,6 +94,32 @@ inline Scene make_scene(const std::vector<Placed>& placed, const CompileOptions&
 
 inline Affine3 translation(const Vec3& by) {
     return {Mat3{}, by};
+}
+
+inline double face_area(const Instance& instance, std::size_t f) {
+    return length(area_vector(instance.world_corners(instance.data().faces[f])));
+}
+
+/// Area-weighted mean of a quantity of faces and its root mean square: what a mean may be off by where each face is off by
+/// a share of it.
+struct Spread {
+    double mean = 0, rms = 0;
+};
+
+template <class F>
+Spread over_faces(const Instance& instance, const F& value) {
+    double sum = 0, squares = 0, area = 0;
+    for (std::size_t f = 0; f < instance.data().faces.size(); ++f) {
+        const double a = face_area(instance, f), v = value(f);
+        sum += a * v;
+        squares += a * v * v;
+        area += a;
+    }
+    return {sum / area, std::sqrt(squares / area)};
+}
+
+inline Spread irradiance(const Scene& scene, const Solution& s, std::size_t i) {
+    return over_faces(scene.instances[i], [&](std::size_t f) { return double(s.instances[i].irradiance[f].y); });
 }
 
 }  // namespace rro::test

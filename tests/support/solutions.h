@@ -32,35 +32,9 @@ inline Solution solve_by_paths(const Scene& scene, std::uint32_t samples) {
     return std::move(*solution);
 }
 
-inline double face_area(const Instance& instance, std::size_t f) {
-    return length(area_vector(instance.world_corners(instance.data().faces[f])));
-}
-
 /// Reflected radiosity R = B - M of a face.
 inline Vec3 reflected(const Instance& instance, const InstanceSolution& s, std::size_t f) {
     return to_double(s.radiosity[f]) - to_double(instance.exitance[instance.object->patch_of_face[f]]);
-}
-
-/// Area-weighted mean of a quantity of faces and its root mean square: what a mean may be off by where each face is off by
-/// a share of it.
-struct Spread {
-    double mean = 0, rms = 0;
-};
-
-template <class F>
-Spread over_faces(const Instance& instance, const F& value) {
-    double sum = 0, squares = 0, area = 0;
-    for (std::size_t f = 0; f < instance.data().faces.size(); ++f) {
-        const double a = face_area(instance, f), v = value(f);
-        sum += a * v;
-        squares += a * v * v;
-        area += a;
-    }
-    return {sum / area, std::sqrt(squares / area)};
-}
-
-inline Spread irradiance(const Scene& scene, const Solution& s, std::size_t i) {
-    return over_faces(scene.instances[i], [&](std::size_t f) { return double(s.instances[i].irradiance[f].y); });
 }
 
 inline Spread radiosity(const Scene& scene, const Solution& s, std::size_t i) {

@@ -12,18 +12,11 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-CompileOptions quick() {
-    CompileOptions options;
-    options.image_resolution = 16;
-    options.grid_size = 2;
-    return options;
-}
-
 /// A two-sided square, whose name needs quotes, over a box that shines.
 Scene square_over_box() {
     return make_scene({{make_quad(2, 2, true, 2), {}, {0.5, 0.4, 0.3}, {}, "a, \"b\""},
                        {make_box(1, 1, 1, 1, {0, -2, 0}), {}, {0.5, 0.5, 0.5}, {2, 2, 2}, "lamp"}},
-                      quick());
+                      least_tables());
 }
 
 /// Reflected radiosity `r` on every face, known to `noise`.
@@ -75,7 +68,7 @@ TEST_CASE("truth: errors of faces are shares of the scene's root mean square", "
 TEST_CASE("truth: two references with other random numbers differ by their standard errors", "[truth]") {
     const Scene scene = make_scene({{make_box(2, 2, 2, 4), {}, {0.5, 0.5, 0.5}, {}, "outer"},
                                     {make_box(1, 1, 1, 2, {3, 0, 0}), {}, {0.5, 0.5, 0.5}, {1, 1, 1}, "lamp"}},
-                                   quick());
+                                   least_tables());
     const auto paths = [&](std::uint32_t samples, std::uint64_t seed) {
         auto solved = solve_reference(scene, {0.02, samples, seed});
         REQUIRE(solved);

@@ -453,4 +453,39 @@ TEST_CASE("channels do not mix", "[transport][laws]") {
     }
 }
 
+TEST_CASE("a grey scene has the same bits in one channel and in three", "[transport][laws]") {
+    // Where channels are alike their mean is their very value: what rounds, and what is decided by it, is the same.
+    const auto solve_in = [](const Scene& scene, std::size_t channels, double accuracy) {
+        auto plan = plan_effects(scene, {channels == 3 ? std::vector<std::string>{"colour"} : std::vector<std::string>{}, {}});
+        REQUIRE((plan && plan->channels == static_cast<int>(channels)));
+        TransportOptions options;
+        options.accuracy = accuracy;
+        auto solution = solve_reusable(scene, *plan, options);
+        REQUIRE(solution);
+        return std::move(*solution);
+    };
+    const auto all = [](double value) { return Vec3{value, value, value}; };
+    for (const double rho : {0.6, 0.37}) {
+        Scene scene = make_scene(small_room(all(rho), all(50)));
+        PointLight lamp;
+        lamp.position = {0.3, 0.2, 0.1};
+        lamp.intensity = all(0.7);
+        if (rho < 0.5) scene.lights = {lamp};
+        for (const double accuracy : {0.1, 0.05}) {
+            const Solution one = solve_in(scene, 1, accuracy), three = solve_in(scene, 3, accuracy);
+            INFO("rho " << rho << ", asked " << accuracy);
+            CHECK(one.links.total() == three.links.total());
+            CHECK(one.rays == three.rays);
+            CHECK(one.estimated_error == three.estimated_error);
+            std::size_t differ = 0;
+            for (std::size_t i = 0; i < one.instances.size(); ++i)
+                for (std::size_t f = 0; f < one.instances[i].radiosity.size(); ++f)
+                    if (one.instances[i].radiosity[f] != three.instances[i].radiosity[f] ||
+                        one.instances[i].irradiance[f] != three.instances[i].irradiance[f])
+                        ++differ;
+            CHECK(differ == 0);
+        }
+    }
+}
+
 }  // namespace rro::test

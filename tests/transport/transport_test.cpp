@@ -7,22 +7,13 @@
 #include "solver/study/reference.h"
 #include "tests/support/meshes.h"
 #include "tests/support/scenes.h"
+#include "tests/support/shapes.h"
 #include "tests/support/solutions.h"
 
 namespace rro::test {
 namespace {
 
 const Mat3 kUpsideDown{{Vec3{1, 0, 0}, Vec3{0, -1, 0}, Vec3{0, 0, -1}}};
-
-double mean_irradiance(const Scene& scene, const Solution& solution, std::size_t i) {
-    double sum = 0, area = 0;
-    for (std::size_t f = 0; f < scene.instances[i].data().faces.size(); ++f) {
-        const double a = face_area(scene.instances[i], f);
-        sum += a * double(solution.instances[i].irradiance[f].y);
-        area += a;
-    }
-    return sum / area;
-}
 
 // Area-weighted relative root mean square difference of reflected radiosity: the definition of error.
 double difference(const Scene& scene, const Solution& x, const Solution& truth) {
@@ -80,22 +71,22 @@ TEST_CASE("irradiance from an emitting square is its view factor", "[transport]"
     const double facing = 0.199824895698387;
     SECTION("unobstructed") {
         const Scene scene = make_scene({{quad, {}, half, none}, {quad, turned, none, one}});
-        CHECK(mean_irradiance(scene, solve_reusably(scene, 0.01), 0) == Approx(facing).epsilon(0.01));
+        CHECK(irradiance(scene, solve_reusably(scene, 0.01), 0).mean == Approx(facing).epsilon(0.01));
     }
     SECTION("a square of side 1/2 midway blocks half of it") {
         const Scene scene = make_scene(
             {{quad, {}, half, none}, {quad, turned, none, one}, {make_quad(0.5, 0.5), translation({0, 0.5, 0}), none, none}});
-        CHECK(mean_irradiance(scene, solve_reusably(scene, 0.03), 0) == Approx(0.0995062945989848).epsilon(0.03));
+        CHECK(irradiance(scene, solve_reusably(scene, 0.03), 0).mean == Approx(0.0995062945989848).epsilon(0.03));
     }
     SECTION("a mirrored instance receives on the same side") {
         Affine3 mirror;
         mirror.linear.rows[0] = {-1, 0, 0};
         const Scene scene = make_scene({{quad, mirror, half, none}, {quad, turned, none, one}});
-        CHECK(mean_irradiance(scene, solve_reusably(scene, 0.01), 0) == Approx(facing).epsilon(0.01));
+        CHECK(irradiance(scene, solve_reusably(scene, 0.01), 0).mean == Approx(facing).epsilon(0.01));
     }
     SECTION("a back is black") {
         const Scene scene = make_scene({{quad, {}, half, none}, {quad, translation({0, 1, 0}), none, one}});
-        CHECK(mean_irradiance(scene, solve_reusably(scene, 0.01), 0) == 0);
+        CHECK(irradiance(scene, solve_reusably(scene, 0.01), 0).mean == 0);
     }
     SECTION("all lengths times three change nothing") {
         const auto scaled = [](Affine3 m) {
@@ -104,7 +95,7 @@ TEST_CASE("irradiance from an emitting square is its view factor", "[transport]"
             return m;
         };
         const Scene scene = make_scene({{quad, scaled({}), half, none}, {quad, scaled(turned), none, one}});
-        CHECK(mean_irradiance(scene, solve_reusably(scene, 0.01), 0) == Approx(facing).epsilon(0.01));
+        CHECK(irradiance(scene, solve_reusably(scene, 0.01), 0).mean == Approx(facing).epsilon(0.01));
     }
 }
 
@@ -135,11 +126,6 @@ Mesh make_shelf(int divisions) {
     for (const double x : {-0.6, 0.6}) add_parallelogram(shelf, {x, 0, 0}, depth, height, divisions, true);
     for (const double y : {0.0, 0.6, 1.2, 2.0}) add_parallelogram(shelf, {-0.6, y, 0}, depth, width, divisions, true);
     return shelf;
-}
-
-/// A seat under a back, both 0.05 m thick.
-Mesh make_seat(int divisions) {
-    return merged(make_box(0.5, 0.05, 0.5, divisions, {0, 0.45, 0}), make_box(0.5, 0.6, 0.05, divisions, {0, 0.78, -0.226}));
 }
 
 }  // namespace
@@ -194,8 +180,8 @@ TEST_CASE("effects that are switched off do not light anything", "[transport]") 
         return std::move(*solution);
     };
     const Solution direct = without("interreflection"), full = solve_reusably(scene, 0.1);
-    CHECK(mean_irradiance(scene, direct, 0) > 0);
-    CHECK(mean_irradiance(scene, direct, 0) < 0.7 * mean_irradiance(scene, full, 0));
+    CHECK(irradiance(scene, direct, 0).mean > 0);
+    CHECK(irradiance(scene, direct, 0).mean < 0.7 * irradiance(scene, full, 0).mean);
     CHECK(without("occlusion").rays == 0);
     CHECK(without("self").links.self == 0);
 }

@@ -2,7 +2,7 @@
 //
 //   edit_scene SCENE.json NAME      a manifest, and one of its instances
 //
-// Built with the tests as `edit_scene`; programs of your own link rro_solver.
+// Built with the tests; programs of your own link rro::solver (samples/programs/CMakeLists.txt).
 #include <cstdio>
 
 #include "solver/session.h"
