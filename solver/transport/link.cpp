@@ -12,7 +12,7 @@ namespace rro {
 namespace {
 
 constexpr int kDeepestElement = 7;              // levels of quadtree below a face
-constexpr double kSmallestElementShare = 1e-5;  // of its instance's area: a lamp in a hall is small, and what counts
+constexpr double kSmallestElementShare = 5e-6;  // of its instance's area: a lamp in a hall is small, and what counts
 
 // What one link may be wrong by, relative to its light; r the radius of an end, d the distance.
 // A flat or planar end as a point: second order.
@@ -44,6 +44,8 @@ constexpr double kFarTriangles = 4;
 // How much a light gradient within one face counts: it does not move the face's mean, but what the face sends on; and
 // between faces that nearly touch, where it never ends.
 constexpr double kOverFace = 0.2, kWithinFace = 0.1;
+// Where points of one end differ this many times more than those of the other, the other's are believed.
+constexpr double kUnevenPoints = 2;
 // Within an object, parts that are lit alike see one another best: their errors agree in sign.
 constexpr double kAlike = 2;
 // A pair whose whole light would do this part of a link's harm is taken as it is; and one too near to be told as a whole,
@@ -328,9 +330,12 @@ Verdict LinkBuilder::judge_near(std::uint32_t a, std::uint32_t b, const Guide& g
         return mean * from.area;
     };
     double spread_a = 0, spread_b = 0;
-    const double ga = gather(na, ca, cb, spread_a), gb = gather(nb, cb, ca, spread_b);
+    double ga = gather(na, ca, cb, spread_a), gb = gather(nb, cb, ca, spread_b);
     if (ga <= 0 && gb <= 0) return {};
-    const double quadrature = 0.5 * std::abs(ga - gb);
+    double quadrature = 0.5 * std::abs(ga - gb);
+    // Points of a large end miss a small one that is close to it, while all points of that see the large one alike.
+    if (spread_a > kUnevenPoints * spread_b) ga = gb, quadrature = std::min(quadrature, spread_b);
+    else if (spread_b > kUnevenPoints * spread_a) gb = ga, quadrature = std::min(quadrature, spread_a);
 
     Offer o{a, b, EndMode::Mean, EndMode::Mean};
     o.own = own;

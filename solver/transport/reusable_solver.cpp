@@ -30,7 +30,7 @@ constexpr int kDirectRounds = 1;
 constexpr double kFirstShare = 1.0 / 1000;
 constexpr double kCoarseAccuracy = 0.3;
 // An instance by itself may be this many times worse than the scene.
-constexpr double kWorstInstance = 2.5;
+constexpr double kWorstInstance = 3;
 constexpr int kInstanceRounds = 1;  // for them alone
 // Instances below this share of the reflected power do not count by themselves (contract: accuracy).
 constexpr double kCountingShare = 1e-3;
