@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <numbers>
+#include <utility>
 
 #include "format/parallel.h"
 #include "solver/transport/channels.h"
@@ -192,19 +193,23 @@ void DirectionBins<C>::use(std::uint32_t node, EndMode mode) {
     if (row_[m][n.slot] != kNoNode) return;
     row_[m][n.slot] = 0;  // allocate() knows it
     states_[n.instance].face[m].nodes.push_back(node);
+    states_[n.instance].grown = true;
 }
 
 template <int C>
 void DirectionBins<C>::allocate() {
     for (std::uint32_t i = 0; i < states_.size(); ++i)
-        if (!states_[i].face[0].nodes.empty() || !states_[i].face[1].nodes.empty()) allocate(i);
+        if (std::exchange(states_[i].grown, false)) allocate(i);
+    tasks_.clear();
+    for (std::uint32_t i = 0; i < states_.size(); ++i)
+        for (std::uint32_t t = 0; t < states_[i].face[0].terminal.size(); ++t)
+            if (states_[i].face[0].terminal[t] != kNoNode || states_[i].face[1].terminal[t] != kNoNode) tasks_.push_back({i, t});
 }
 
 template <int C>
 void DirectionBins<C>::allocate(std::uint32_t i) {
     State& state = states_[i];
     const Instance& instance = nodes_.scene().instances[i];
-    const InstanceNodes& in = nodes_.instance(i);
     const DirectionGrid& grid = instance.object->archive.grid();
     state.stride = areas_.tables(i).stride;
     const double determinant = std::abs(instance.to_world.linear.determinant());
@@ -213,27 +218,66 @@ void DirectionBins<C>::allocate(std::uint32_t i) {
         state.area_factor[k] = static_cast<float>(determinant / length(instance.to_world.vector(grid.direction(k))));
     for (std::size_t m = 0; m < 2; ++m) {
         Face& face = state.face[m];
-        std::sort(face.nodes.begin(), face.nodes.end());
-        for (std::uint32_t r = 0; r < face.nodes.size(); ++r) row_[m][nodes_[face.nodes[r]].slot] = r;
-        const auto nearest = [&](std::uint32_t id) {  // at the node or above it
-            for (; id != kNoNode && id >= in.first_cluster; id = nodes_[id].parent)
-                if (nodes_[id].kind == NodeKind::Bins && row_[m][nodes_[id].slot] != kNoNode)
-                    return row_[m][nodes_[id].slot];
-            return kNoNode;
-        };
-        for (const std::uint32_t id : face.nodes) face.above.push_back(nearest(nodes_[id].parent));
-        for (const std::uint32_t t : in.terminals) face.terminal.push_back(nearest(t));
-        face.intensity.assign(face.nodes.size() * C * state.stride, 0);
-        face.incoming.assign(face.nodes.size() * kIncoming * state.stride, 0);
+        const std::vector<std::uint32_t> known(face.nodes.begin(), face.nodes.begin() + static_cast<std::ptrdiff_t>(face.due.size()));
+        number_rows(i, m);
+        const std::size_t rows = face.nodes.size(), plane = kIncoming * state.stride;
+        std::vector<float> incoming(rows * plane, 0), pushed(remembers_ ? rows * plane : 0, 0);
+        for (std::size_t r = 0; r < known.size(); ++r) {
+            const std::size_t to = row_[m][nodes_[known[r]].slot];
+            std::copy_n(&face.incoming[r * plane], plane, &incoming[to * plane]);
+            if (remembers_) std::copy_n(&face.pushed[r * plane], plane, &pushed[to * plane]);
+        }
+        face.incoming = std::move(incoming);
+        face.pushed = std::move(pushed);
+        face.intensity.assign(rows * C * state.stride, 0);
+        face.due.assign(rows, 1);
+        face.arrived.assign(rows, 1);
     }
-    for (std::uint32_t t = 0; t < in.terminals.size(); ++t)
-        if (state.face[0].terminal[t] != kNoNode || state.face[1].terminal[t] != kNoNode) tasks_.push_back({i, t});
 }
 
 template <int C>
-void DirectionBins<C>::clear_incoming() {
-    for (State& state : states_)
-        for (Face& face : state.face) std::fill(face.incoming.begin(), face.incoming.end(), 0.0f);
+void DirectionBins<C>::number_rows(std::uint32_t i, std::size_t mode) {
+    Face& face = states_[i].face[mode];
+    const InstanceNodes& in = nodes_.instance(i);
+    std::sort(face.nodes.begin(), face.nodes.end());
+    for (std::uint32_t r = 0; r < face.nodes.size(); ++r) row_[mode][nodes_[face.nodes[r]].slot] = r;
+    const auto nearest = [&](std::uint32_t id) {  // at the node or above it
+        for (; id != kNoNode && id >= in.first_cluster; id = nodes_[id].parent)
+            if (nodes_[id].kind == NodeKind::Bins && row_[mode][nodes_[id].slot] != kNoNode)
+                return row_[mode][nodes_[id].slot];
+        return kNoNode;
+    };
+    face.above.clear();
+    face.terminal.clear();
+    for (const std::uint32_t id : face.nodes) face.above.push_back(nearest(nodes_[id].parent));
+    for (const std::uint32_t t : in.terminals) face.terminal.push_back(nearest(t));
+}
+
+template <int C>
+void DirectionBins<C>::clear_incoming(std::uint32_t id) {
+    const Node& node = nodes_[id];
+    State& state = states_[node.instance];
+    for (std::size_t m = 0; m < 2; ++m) {
+        const std::uint32_t r = row_[m][node.slot];
+        if (r == kNoNode) continue;
+        Face& face = state.face[m];
+        std::fill_n(&face.incoming[r * kIncoming * state.stride], kIncoming * state.stride, 0.0f);
+        face.arrived[r] = 1;
+    }
+}
+
+template <int C>
+void DirectionBins<C>::find_due(std::uint32_t i, Face& face, const std::vector<std::uint8_t>& changed) const {
+    const InstanceNodes& in = nodes_.instance(i);
+    for (std::size_t t = 0; t < in.terminals.size(); ++t) {
+        const std::size_t r = face.terminal[t];
+        if (r == kNoNode || face.due[r]) continue;
+        const auto [first, last] = nodes_.faces(nodes_[in.terminals[t]]);
+        const auto from = changed.begin() + in.first_face;
+        face.due[r] = std::find(from + first, from + last, 1) != from + last;
+    }
+    for (std::size_t r = face.nodes.size(); r-- > 0;)
+        if (face.due[r] && face.above[r] != kNoNode) face.due[face.above[r]] = 1;
 }
 
 template <int C>
@@ -244,11 +288,12 @@ void DirectionBins<C>::pull_instance(std::uint32_t i, EndMode mode, const std::v
     const InstanceNodes& in = nodes_.instance(i);
     const ObjectTables& tables = areas_.tables(i);
     const std::size_t stride = state.stride;
-    std::fill(face.intensity.begin(), face.intensity.end(), 0.0f);
+    for (std::size_t r = 0; r < face.nodes.size(); ++r)
+        if (face.due[r]) std::fill_n(&face.intensity[r * C * stride], C * stride, 0.0f);
 
     for (std::size_t t = 0; t < in.terminals.size(); ++t) {
         const std::size_t r = face.terminal[t];
-        if (r == kNoNode) continue;
+        if (r == kNoNode || !face.due[r]) continue;
         const Cluster& cluster = data.clusters[nodes_[in.terminals[t]].index];
         for (std::uint32_t p = cluster.first_patch; p < cluster.first_patch + cluster.patch_count; ++p) {
             const Patch& patch = data.patches[p];
@@ -275,25 +320,34 @@ void DirectionBins<C>::pull_instance(std::uint32_t i, EndMode mode, const std::v
             }
         }
     }
+    for (std::size_t r = 0; r < face.nodes.size(); ++r)
+        for (std::size_t c = 0; c < C && face.due[r]; ++c) {
+            float* out = &face.intensity[(r * C + c) * stride];
+            for (std::size_t k = 0; k < stride; ++k) out[k] *= state.area_factor[k];
+        }
     // Nodes above have smaller rows: a backward loop sums them up.
     for (std::size_t r = face.nodes.size(); r-- > 0;) {
-        if (face.above[r] == kNoNode) continue;
+        if (face.above[r] == kNoNode || !face.due[face.above[r]]) continue;
         const float* from = &face.intensity[r * C * stride];
         float* to = &face.intensity[face.above[r] * C * stride];
         for (std::size_t k = 0; k < C * stride; ++k) to[k] += from[k];
     }
-    for (std::size_t r = 0; r < face.nodes.size(); ++r)
-        for (std::size_t c = 0; c < C; ++c) {
-            float* out = &face.intensity[(r * C + c) * stride];
-            for (std::size_t k = 0; k < stride; ++k) out[k] *= state.area_factor[k];
-        }
 }
 
 template <int C>
-void DirectionBins<C>::pull(const std::vector<float>& radiosity) {
-    parallel_for(2 * states_.size(), 1, [&](std::size_t k) {
-        if (!states_[k / 2].face[k % 2].nodes.empty())
-            pull_instance(static_cast<std::uint32_t>(k / 2), static_cast<EndMode>(k % 2), radiosity);
+void DirectionBins<C>::pull(const std::vector<float>& radiosity, std::vector<std::uint8_t>& changed) {
+    parallel_for(states_.size(), 1, [&](std::size_t k) {
+        const auto i = static_cast<std::uint32_t>(k);
+        for (std::size_t m = 0; m < 2; ++m) {
+            Face& face = states_[i].face[m];
+            if (face.nodes.empty()) continue;
+            find_due(i, face, changed);
+            pull_instance(i, static_cast<EndMode>(m), radiosity);
+        }
+        // Only now, since nodes may be used in both modes.
+        for (Face& face : states_[i].face)
+            for (std::size_t r = 0; r < face.nodes.size(); ++r)
+                if (std::exchange(face.due[r], std::uint8_t{0})) changed[face.nodes[r]] = 1;
     });
 }
 
@@ -319,7 +373,9 @@ void DirectionBins<C>::splat(std::uint32_t id, EndMode mode, const Vec3& u, doub
     const Instance& instance = nodes_.scene().instances[node.instance];
     const DirectionTaps taps = instance.object->archive.grid().taps(instance.to_local.vector(u));
     Face& face = state.face[static_cast<std::size_t>(mode)];
-    float* plane = &face.incoming[row(mode, node) * kIncoming * state.stride];
+    const std::uint32_t r = row(mode, node);
+    face.arrived[r] = 1;
+    float* plane = &face.incoming[r * kIncoming * state.stride];
     const float strength = mean_of(h);
     const std::array<float, 4> shared{static_cast<float>(u.x) * strength, static_cast<float>(u.y) * strength,
                                       static_cast<float>(u.z) * strength,
@@ -336,6 +392,7 @@ void DirectionBins<C>::push_terminal(std::uint32_t i, std::uint32_t t, EndMode m
                                      std::vector<float>& irradiance) const {
     const State& state = states_[i];
     const Face& face = state.face[static_cast<std::size_t>(mode)];
+    const std::vector<float>& incoming = remembers_ ? face.pushed : face.incoming;
     const InstanceNodes& in = nodes_.instance(i);
     const std::uint32_t terminal = in.terminals[t];
     const Instance& instance = nodes_.scene().instances[i];
@@ -345,7 +402,7 @@ void DirectionBins<C>::push_terminal(std::uint32_t i, std::uint32_t t, EndMode m
     // Planes of this terminal: H[C], then Hu[3].
     std::vector<float> sum((C + 3) * stride, 0.0f);
     for (std::uint32_t r = face.terminal[t]; r != kNoNode; r = face.above[r]) {
-        const float* plane = &face.incoming[r * kIncoming * stride];
+        const float* plane = &incoming[r * kIncoming * stride];
         if (face.nodes[r] == terminal) {
             for (std::size_t k = 0; k < (C + 3) * stride; ++k) sum[k] += plane[k];
             continue;
@@ -442,20 +499,54 @@ void DirectionBins<C>::push_terminal(std::uint32_t i, std::uint32_t t, EndMode m
 }
 
 template <int C>
-void DirectionBins<C>::push(std::vector<float>& irradiance) const {
-    parallel_for(tasks_.size(), 1, [&](std::size_t k) {
-        const auto [i, t] = tasks_[k];
+void DirectionBins<C>::find_arrived(Face& face, std::size_t stride, double tolerance) const {
+    const std::size_t plane = kIncoming * stride;
+    for (std::size_t r = 0; r < face.nodes.size(); ++r) {
+        if (!face.arrived[r]) continue;
+        const float *now = &face.incoming[r * plane], *then = &face.pushed[r * plane];
+        double change = 0;
+        for (std::size_t k = 0; k < stride; ++k)
+            change += mean_over<C>([&](std::size_t c) { return std::abs(double(now[c * stride + k]) - double(then[c * stride + k])); });
+        face.arrived[r] = change > tolerance;
+        if (face.arrived[r]) std::copy_n(now, plane, &face.pushed[r * plane]);
+    }
+}
+
+template <int C>
+std::vector<std::uint8_t> DirectionBins<C>::push(std::vector<float>& irradiance, double tolerance) {
+    if (remembers_)
+        parallel_for(states_.size(), 1, [&](std::size_t i) {
+            for (Face& face : states_[i].face) find_arrived(face, states_[i].stride, tolerance);
+        });
+    std::vector<std::uint8_t> reached(states_.size(), 0);
+    std::vector<Task> due;
+    for (const Task& task : tasks_) {
+        bool arrived = false;
+        for (const Face& face : states_[task.instance].face)
+            for (std::uint32_t r = face.terminal[task.terminal]; r != kNoNode; r = face.above[r]) arrived = arrived || face.arrived[r];
+        if (!arrived) continue;
+        due.push_back(task);
+        reached[task.instance] = 1;
+    }
+    parallel_for(due.size(), 1, [&](std::size_t k) {
+        const auto [i, t] = due[k];
+        const InstanceNodes& in = nodes_.instance(i);
+        const auto [first, last] = nodes_.faces(nodes_[in.terminals[t]]);
+        std::fill_n(&irradiance[(in.first_face + first) * C], (last - first) * C, 0.0f);
         for (std::size_t m = 0; m < 2; ++m)
             if (states_[i].face[m].terminal[t] != kNoNode)
                 push_terminal(i, t, static_cast<EndMode>(m), irradiance);
     });
+    for (State& state : states_)
+        for (Face& face : state.face) std::fill(face.arrived.begin(), face.arrived.end(), std::uint8_t{0});
+    return reached;
 }
 
 template <int C>
 std::uint64_t DirectionBins<C>::bytes() const {
     std::uint64_t n = 0;
     for (const State& s : states_)
-        for (const Face& face : s.face) n += (face.intensity.size() + face.incoming.size()) * sizeof(float);
+        for (const Face& face : s.face) n += (face.intensity.size() + face.incoming.size() + face.pushed.size()) * sizeof(float);
     return n;
 }
 

@@ -77,7 +77,8 @@ class EndAreas {
     std::vector<const ObjectTables*> of_instance_;
 };
 
-/// Directional light state of all instances, for C channels.
+/// Directional light state of all instances, for C channels. It stays from sweep to sweep: what sends and receives as before
+/// is neither pulled nor pushed again.
 template <int C>
 class DirectionBins {
   public:
@@ -87,12 +88,17 @@ class DirectionBins {
     void reset();
     /// Marks a node as the end of a link; storage exists only for such nodes.
     void use(std::uint32_t node, EndMode mode);
-    /// Call once after all use().
+    /// Call after use(). Ends that were there before keep their light.
     void allocate();
-    void clear_incoming();
+    /// Remembers from now on what has been pushed, so that push() can tell what differs.
+    void remember() { remembers_ = true; }
 
-    /// radiosity: [nodes * C]. Fills the intensities of every used node.
-    void pull(const std::vector<float>& radiosity);
+    /// Nothing has arrived at a node.
+    void clear_incoming(std::uint32_t node);
+
+    /// Intensities of used nodes. radiosity: [nodes * C]
+    /// changed  [nodes] in: faces that send otherwise than before; out: also the used nodes that do
+    void pull(const std::vector<float>& radiosity, std::vector<std::uint8_t>& changed);
 
     /// Intensity of a Bins node towards w (unit, world), W/sr per channel.
     std::array<float, C> intensity(std::uint32_t node, EndMode mode, const Vec3& w) const;
@@ -100,8 +106,10 @@ class DirectionBins {
     /// Adds perpendicular irradiance H arriving from direction u (unit, world, towards the source) at a Bins node.
     void splat(std::uint32_t node, EndMode mode, const Vec3& u, double inverse_distance, const std::array<float, C>& h);
 
-    /// Translates to terminals and pushes to faces: adds to irradiance[(first_face + f) * C + c].
-    void push(std::vector<float>& irradiance) const;
+    /// Translates to terminals and pushes to faces: sets irradiance[(first_face + f) * C + c]. With remember(), only where
+    /// more than `tolerance` W/m^2 has changed since.
+    /// returns  [instances] whether any of it was set
+    std::vector<std::uint8_t> push(std::vector<float>& irradiance, double tolerance);
 
     std::uint64_t bytes() const;
 
@@ -114,18 +122,26 @@ class DirectionBins {
         std::vector<std::uint32_t> terminal; // [terminals] row of the nearest used node above or at it, or kNoNode
         std::vector<float> intensity;        // [rows * C * stride]
         std::vector<float> incoming;         // [rows * kIncoming * stride]
+        std::vector<float> pushed;           // the same as faces have it; empty where that is not remembered
+        std::vector<std::uint8_t> due;       // [rows] to be pulled
+        std::vector<std::uint8_t> arrived;   // [rows] light has come anew: to be pushed
     };
     struct State {
         std::uint32_t stride = 0;
         Face face[2];
         std::vector<float> area_factor;         // [stride] world / local projected area
+        bool grown = false;                     // has nodes that allocate() does not know
     };
     struct Task {
         std::uint32_t instance, terminal;
     };
     std::uint32_t row(EndMode mode, const Node& bins) const { return row_[static_cast<std::size_t>(mode)][bins.slot]; }
     void allocate(std::uint32_t i);
+    void number_rows(std::uint32_t i, std::size_t mode);
+    void find_due(std::uint32_t i, Face& face, const std::vector<std::uint8_t>& changed) const;
     void pull_instance(std::uint32_t i, EndMode mode, const std::vector<float>& radiosity);
+    /// Leaves in `arrived` only rows that have changed by more than the tolerance.
+    void find_arrived(Face& face, std::size_t stride, double tolerance) const;
     void push_terminal(std::uint32_t i, std::uint32_t t, EndMode mode, std::vector<float>& irradiance) const;
 
     const Nodes& nodes_;
@@ -133,6 +149,7 @@ class DirectionBins {
     std::vector<State> states_;  // per instance
     std::vector<std::uint32_t> row_[2];  // per mode: [bins slots] row within the instance's face, or kNoNode
     std::vector<Task> tasks_;    // terminals with used nodes above or at them; numbers within the instance
+    bool remembers_ = false;
 };
 
 }  // namespace rro

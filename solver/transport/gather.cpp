@@ -12,6 +12,7 @@ namespace rro {
 namespace {
 
 constexpr std::size_t kGrain = 256;  // receivers per parallel chunk
+constexpr std::size_t kBatch = 1 << 16;  // links made ready at a time
 
 constexpr float kClose = 0.5f;      // own links below that are no sign of something close; a row beyond 1 is noise
 constexpr float kMostRow = 1.05f;  // rows that are a little above 1 are as many as those a little below
@@ -43,7 +44,7 @@ bool scalar_half(const Node& receiver, EndMode receiver_mode, const Node& source
 
 template <int C>
 LightField<C>::LightField(const Nodes& nodes, const EndAreas& areas)
-    : nodes_(nodes), areas_(areas), bins_(nodes, areas), groups_(nodes, areas) {
+    : nodes_(nodes), areas_(areas), light_(nodes, areas) {
     for (std::uint32_t i = 0; i < nodes.scene().instances.size(); ++i) {
         const Instance& instance = nodes.scene().instances[i];
         std::vector<std::uint32_t>& others = other_side_.emplace_back();
@@ -87,7 +88,12 @@ void LightField<C>::grow() {
     const std::size_t before = radiosity_.size() / C;
     radiosity_.resize(nodes_.size() * C, 0);
     irradiance_.resize(nodes_.size() * C, 0);
+    inherited_.resize(nodes_.size() * C, 0);
     vectors_.resize(std::size_t(nodes_.flat_count()) * 6 * C, 0);
+    scalar_row_.resize(nodes_.size());
+    directed_row_.resize(nodes_.size());
+    grow(light_);
+    if (unit_) grow(*unit_);
     for (std::size_t id = before; id < nodes_.size(); ++id) {
         const Node& n = nodes_[static_cast<std::uint32_t>(id)];
         if (n.kind != NodeKind::Surface) continue;
@@ -120,6 +126,7 @@ void LightField<C>::begin() {
         if (transmits(i)) transmit(i), pull_instance(i);
     }
     pull_groups();
+    push_all_ = true;
 }
 
 template <int C>
@@ -127,6 +134,7 @@ void LightField<C>::take_over(const LightField& from, const std::vector<std::uin
     for (std::size_t n = 0; n < node.size(); ++n)
         for (std::size_t c = 0; c < C && node[n] != kNoNode; ++c) irradiance_[node[n] * C + c] = from.irradiance_[n * C + c];
     relight();
+    push_all_ = true;
 }
 
 template <int C>
@@ -134,6 +142,7 @@ void LightField<C>::add(const std::vector<float>& irradiance, double scale) {
     parallel_for(irradiance_.size(), kGrain, [&](std::size_t k) {
         irradiance_[k] = static_cast<float>(std::max(0.0, double(irradiance_[k]) + scale * double(irradiance[k])));
     });
+    push_all_ = true;
 }
 
 template <int C>
@@ -177,108 +186,176 @@ void LightField<C>::extinguish() {
         pull_instance(i);
     }
     pull_groups();
+    push_all_ = true;
 }
 
 template <int C>
 void LightField<C>::set_links(const std::vector<Link>& links) {
-    bins_.reset();
-    groups_.reset();
-    scalar_first_.assign(nodes_.size() + 1, 0);
-    directed_first_.assign(nodes_.size() + 1, 0);
+    for_each_passage([](Passage& p) {
+        p.bins.reset();
+        p.groups.reset();
+        std::fill(p.from_bins.begin(), p.from_bins.end(), 0.0f);  // faces may have no bins above them any more
+        p.whole = true;
+    });
+    scalar_row_.assign(nodes_.size(), {});
+    directed_row_.assign(nodes_.size(), {});
+    scalar_.clear();
+    directed_.clear();
+    half_links_ = 0;
+    add_rows(links, std::vector<std::uint8_t>(nodes_.size(), 1));
+}
+
+template <int C>
+void LightField<C>::follow() {
+    if (unit_) return;
+    unit_.emplace(nodes_, areas_);
+    grow(*unit_);
+    light_.bins.remember();
+    unit_->bins.remember();
+}
+
+template <int C>
+void LightField<C>::change_links(const std::vector<Link>& links, const std::vector<std::uint32_t>& ends) {
+    constexpr std::size_t kMostOld = 2;  // half links that nothing refers to any more, for each one in use
+    if (!unit_ || light_.whole || scalar_.size() + directed_.size() > kMostOld * half_links_) return set_links(links);
+    std::vector<std::uint8_t> wanted(nodes_.size(), 0);
+    for (const std::uint32_t n : ends) {
+        if (wanted[n]) continue;
+        wanted[n] = light_.stale[n] = unit_->stale[n] = 1;
+        for (Row* row : {&scalar_row_[n], &directed_row_[n]}) {
+            half_links_ -= row->last - row->first;
+            *row = {};
+        }
+    }
+    add_rows(links, wanted);
+}
+
+// Rows of the nodes wanted, which have none, are put behind those that there are.
+template <int C>
+void LightField<C>::add_rows(const std::vector<Link>& links, const std::vector<std::uint8_t>& wanted) {
     const auto count = [&](std::uint32_t receiver, EndMode receiver_mode, std::uint32_t source, EndMode source_mode) {
+        if (!wanted[receiver]) return;
         const bool scalar = scalar_half(nodes_[receiver], receiver_mode, nodes_[source], source_mode);
-        ++(scalar ? scalar_first_ : directed_first_)[receiver + 1];
+        ++(scalar ? scalar_row_ : directed_row_)[receiver].last;
+    };
+    const auto use = [&](std::uint32_t id, EndMode mode) {
+        if (!wanted[id] || (!nodes_[id].group() && (nodes_[id].kind != NodeKind::Bins || mode == EndMode::Mean))) return;
+        for_each_passage([&](Passage& p) {
+            if (nodes_[id].group()) p.groups.use(id);
+            else p.bins.use(id, mode);
+        });
     };
     for (const Link& l : links) {
-        if (l.base_a == 0 && l.base_b == 0) continue;
+        if ((l.base_a == 0 && l.base_b == 0) || !(wanted[l.a] || wanted[l.b])) continue;
         count(l.a, l.mode_a, l.b, l.mode_b);
         count(l.b, l.mode_b, l.a, l.mode_a);
-        const auto use = [&](std::uint32_t id, EndMode mode) {
-            if (nodes_[id].group()) groups_.use(id);
-            else if (nodes_[id].kind == NodeKind::Bins && mode != EndMode::Mean) bins_.use(id, mode);
-        };
         use(l.a, l.mode_a);
         use(l.b, l.mode_b);
     }
-    groups_.allocate(bins_);
-    bins_.allocate();
-    for (std::size_t n = 0; n < nodes_.size(); ++n) {
-        scalar_first_[n + 1] += scalar_first_[n];
-        directed_first_[n + 1] += directed_first_[n];
-    }
-    scalar_.resize(scalar_first_.back());
-    directed_.resize(directed_first_.back());
+    for_each_passage([](Passage& p) {
+        p.groups.allocate(p.bins);
+        p.bins.allocate();
+    });
+    const auto lay_out = [&](std::vector<Row>& rows, auto& half_links) {
+        auto next = static_cast<std::uint32_t>(half_links.size());
+        for (std::size_t n = 0; n < rows.size(); ++n) {
+            if (!wanted[n]) continue;
+            const std::uint32_t size = rows[n].last;
+            rows[n] = {next, next};  // filled below
+            next += size;
+            half_links_ += size;
+        }
+        half_links.resize(next);
+    };
+    lay_out(scalar_row_, scalar_);
+    lay_out(directed_row_, directed_);
     if (tinted()) {
         scalar_tint_.resize(scalar_.size());
         directed_tint_.resize(directed_.size());
     }
-    std::vector<std::uint32_t> scalar_next(scalar_first_), directed_next(directed_first_);
-    for (const Link& l : links) {
-        if (l.base_a == 0 && l.base_b == 0) continue;
-        const Vec3 between = nodes_[l.b].centre - nodes_[l.a].centre;
-        const double d = length(between);
-        const Vec3 w = d > 0 ? between / d : Vec3{0, 1, 0};
-        Tint tint{};
-        if constexpr (C == 3)
-            if (tinted()) tint = tint_of(*tint_, d);
-        const auto half = [&](std::uint32_t receiver, std::uint32_t source, float base, const Vec3& u,
-                              EndMode receiver_mode, EndMode source_mode) {
-            const Node &r = nodes_[receiver], &s = nodes_[source];
-            double gain = double(base);
-            if (source_mode == EndMode::Mean || s.kind != NodeKind::Bins) gain *= std::numbers::inv_pi;
-            if (receiver_mode == EndMode::Mean || r.kind == NodeKind::Surface) gain /= r.area;
-            else if (r.kind == NodeKind::Flat) gain /= dot(r.area_vector, arrival(r, u));
-            if (scalar_half(r, receiver_mode, s, source_mode)) {
-                if (tinted()) scalar_tint_[scalar_next[receiver]] = tint;
-                scalar_[scalar_next[receiver]++] = {source, static_cast<float>(gain)};
-                return;
-            }
-            if (tinted()) directed_tint_[directed_next[receiver]] = tint;
-            DirectedLink& h = directed_[directed_next[receiver]++];
-            h = {source, static_cast<float>(gain), to_float(u), {}, static_cast<float>(d > 0 ? 1 / d : 0), source_mode, receiver_mode};
-            if (r.kind == NodeKind::Flat) h.slope = to_float(slope(r, s, u, d));
-        };
-        half(l.a, l.b, l.base_a, w, l.mode_a, l.mode_b);
-        half(l.b, l.a, l.base_b, -w, l.mode_b, l.mode_a);
+    // Places in order, contents side by side.
+    std::vector<Half> halves;
+    const auto place = [&](const Link& l, bool at_a) {
+        const std::uint32_t receiver = at_a ? l.a : l.b, source = at_a ? l.b : l.a;
+        if (!wanted[receiver]) return;
+        const bool scalar = scalar_half(nodes_[receiver], at_a ? l.mode_a : l.mode_b, nodes_[source], at_a ? l.mode_b : l.mode_a);
+        halves.push_back({&l, (scalar ? scalar_row_ : directed_row_)[receiver].last++, at_a, scalar});
+    };
+    for (std::size_t begin = 0; begin < links.size(); begin += kBatch) {
+        halves.clear();
+        for (std::size_t k = begin; k < std::min(begin + kBatch, links.size()); ++k) {
+            const Link& l = links[k];
+            if ((l.base_a == 0 && l.base_b == 0) || !(wanted[l.a] || wanted[l.b])) continue;
+            place(l, true);
+            place(l, false);
+        }
+        parallel_for(halves.size(), kGrain, [&](std::size_t k) { set_half(halves[k]); });
     }
 }
 
 template <int C>
-std::array<float, C> LightField<C>::source_value(const DirectedLink& link) const {
-    if (nodes_[link.source].group()) return groups_.intensity(link.source, -to_double(link.u));
+void LightField<C>::set_half(const Half& half) {
+    const Link& l = *half.link;
+    const std::uint32_t source = half.at_a ? l.b : l.a;
+    const EndMode receiver_mode = half.at_a ? l.mode_a : l.mode_b, source_mode = half.at_a ? l.mode_b : l.mode_a;
+    const Node &r = nodes_[half.at_a ? l.a : l.b], &s = nodes_[source];
+    const Vec3 between = s.centre - r.centre;
+    const double d = length(between);
+    const Vec3 u = d > 0 ? between / d : Vec3{0, half.at_a ? 1.0 : -1.0, 0};
+    double gain = double(half.at_a ? l.base_a : l.base_b);
+    if (source_mode == EndMode::Mean || s.kind != NodeKind::Bins) gain *= std::numbers::inv_pi;
+    if (receiver_mode == EndMode::Mean || r.kind == NodeKind::Surface) gain /= r.area;
+    else if (r.kind == NodeKind::Flat) gain /= dot(r.area_vector, arrival(r, u));
+    if constexpr (C == 3)
+        if (tinted()) (half.scalar ? scalar_tint_ : directed_tint_)[half.at] = tint_of(*tint_, d);
+    if (half.scalar) {
+        scalar_[half.at] = {source, static_cast<float>(gain)};
+        return;
+    }
+    DirectedLink& h = directed_[half.at];
+    h = {source, static_cast<float>(gain), to_float(u), {}, static_cast<float>(d > 0 ? 1 / d : 0), source_mode, receiver_mode};
+    if (r.kind == NodeKind::Flat) h.slope = to_float(slope(r, s, u, d));
+}
+
+template <int C>
+std::array<float, C> LightField<C>::source_value(const Passage& p, const DirectedLink& link) const {
+    if (nodes_[link.source].group()) return p.groups.intensity(link.source, -to_double(link.u));
     if (link.source_mode != EndMode::Mean && nodes_[link.source].kind == NodeKind::Bins)
-        return bins_.intensity(link.source, link.source_mode, -to_double(link.u));
+        return p.bins.intensity(link.source, link.source_mode, -to_double(link.u));
     std::array<float, C> out;
-    for (std::size_t c = 0; c < C; ++c) out[c] = radiosity_[link.source * C + c];
+    for (std::size_t c = 0; c < C; ++c) out[c] = p.sent[link.source * C + c];
     return out;
 }
 
 template <int C>
 template <bool Tinted>
-void LightField<C>::gather_surfaces() {
+void LightField<C>::gather_surfaces(Passage& p) {
     const auto source_of = [&](std::uint32_t k) {
-        auto value = source_value(directed_[k]);
+        auto value = source_value(p, directed_[k]);
         if constexpr (Tinted)
             for (std::size_t c = 0; c < C; ++c) value[c] *= directed_tint_[k][c];
         return value;
     };
     parallel_for(nodes_.size(), kGrain, [&](std::size_t id) {
         const Node& node = nodes_[static_cast<std::uint32_t>(id)];
+        p.stale[id] = receives_anew(p, static_cast<std::uint32_t>(id));
+        if (!p.stale[id]) return;
+        const auto [first, last] = directed_row_[id];
         std::array<double, C> e{};
-        for (std::uint32_t k = scalar_first_[id]; k < scalar_first_[id + 1]; ++k)
+        for (std::uint32_t k = scalar_row_[id].first; k < scalar_row_[id].last; ++k)
             for (std::size_t c = 0; c < C; ++c)
                 if constexpr (Tinted)
-                    e[c] += double(scalar_[k].gain) * double(scalar_tint_[k][c]) * double(radiosity_[scalar_[k].source * C + c]);
+                    e[c] += double(scalar_[k].gain) * double(scalar_tint_[k][c]) * double(p.sent[scalar_[k].source * C + c]);
                 else
-                    e[c] += double(scalar_[k].gain) * double(radiosity_[scalar_[k].source * C + c]);
+                    e[c] += double(scalar_[k].gain) * double(p.sent[scalar_[k].source * C + c]);
         if (node.kind == NodeKind::Surface) {
-            for (std::uint32_t k = directed_first_[id]; k < directed_first_[id + 1]; ++k) {
+            for (std::uint32_t k = first; k < last; ++k) {
                 const auto value = source_of(k);
                 for (std::size_t c = 0; c < C; ++c) e[c] += double(directed_[k].gain) * double(value[c]);
             }
         } else if (node.kind == NodeKind::Flat) {
             std::array<double, 6 * C> v{};
-            for (std::uint32_t k = directed_first_[id]; k < directed_first_[id + 1]; ++k) {
+            for (std::uint32_t k = first; k < last; ++k) {
                 const DirectedLink& link = directed_[k];
                 const auto value = source_of(k);
                 const Vec3 u = arrival(node, to_double(link.u)), s = to_double(link.slope);
@@ -292,30 +369,40 @@ void LightField<C>::gather_surfaces() {
                     v[3 * (C + c) + 2] += h * s.z;
                 }
             }
-            for (std::size_t c = 0; c < 6 * C; ++c) vectors_[node.slot * std::size_t(6 * C) + c] = static_cast<float>(v[c]);
+            for (std::size_t c = 0; c < 6 * C; ++c) p.vectors[node.slot * std::size_t(6 * C) + c] = static_cast<float>(v[c]);
         }
-        for (std::size_t c = 0; c < C; ++c) irradiance_[id * C + c] = static_cast<float>(e[c]);
+        for (std::size_t c = 0; c < C; ++c) p.received[id * C + c] = static_cast<float>(e[c]);
     });
 }
 
 template <int C>
 template <bool Tinted>
-void LightField<C>::gather_bins() {
-    bins_.clear_incoming();
-    groups_.clear_incoming();
+void LightField<C>::gather_bins(Passage& p) {
+    p.groups.clear_incoming();
     parallel_for(nodes_.size(), kGrain, [&](std::size_t n) {
         const auto id = static_cast<std::uint32_t>(n);
-        if (nodes_[id].kind != NodeKind::Bins) return;
-        for (std::uint32_t k = directed_first_[id]; k < directed_first_[id + 1]; ++k) {
+        if (nodes_[id].kind != NodeKind::Bins || !p.stale[id]) return;
+        if (!nodes_[id].group()) p.bins.clear_incoming(id);
+        for (std::uint32_t k = directed_row_[id].first; k < directed_row_[id].last; ++k) {
             const DirectedLink& link = directed_[k];
-            auto h = source_value(link);
+            auto h = source_value(p, link);
             for (float& x : h) x *= link.gain;
             if constexpr (Tinted)
                 for (std::size_t c = 0; c < C; ++c) h[c] *= directed_tint_[k][c];
-            if (nodes_[id].group()) groups_.splat(id, to_double(link.u), double(link.inverse_distance), h);
-            else bins_.splat(id, link.receiver_mode, to_double(link.u), double(link.inverse_distance), h);
+            if (nodes_[id].group()) p.groups.splat(id, to_double(link.u), double(link.inverse_distance), h);
+            else p.bins.splat(id, link.receiver_mode, to_double(link.u), double(link.inverse_distance), h);
         }
     });
+}
+
+// Under unit radiosity: what the parts of every element bring it goes into inherited_, from the smallest parts up.
+template <int C>
+void LightField<C>::gather_rows(const InstanceNodes& in) {
+    for (const std::uint32_t id : in.elements) inherited_[id * C] = 0, inherited_scale_[id] = 1;
+    for (auto it = in.elements.rbegin(); it != in.elements.rend(); ++it) {
+        const std::uint32_t parent = nodes_[*it].parent;
+        if (nodes_[parent].depth > 0) inherited_[parent * C] += (irradiance_[*it * C] + inherited_[*it * C]) / 4;
+    }
 }
 
 // The elements of a surface inherit its row alike, as if it came from everywhere. Yet where an element's own links, and those
@@ -343,9 +430,10 @@ void LightField<C>::share_out(std::uint32_t parent) {
 // Irradiance of clusters, flat nodes and faces goes down to the leaves; irradiance_ of a face with elements ends as their
 // mean. A flat node's vector meets each face's own cosine, its gradient the place of the face.
 template <int C>
-void LightField<C>::push_instance(std::uint32_t i, Push what) {
+void LightField<C>::push_instance(std::uint32_t i, Push what, const Passage& p) {
     const InstanceNodes& in = nodes_.instance(i);
     constexpr std::size_t kFlat = 6 * C;
+    const auto take_own = [&](std::uint32_t id) { std::copy_n(&p.received[id * C], C, &irradiance_[id * C]); };
     const auto add_parent = [&](std::uint32_t id) {
         for (std::size_t c = 0; c < C; ++c) irradiance_[id * C + c] += irradiance_[nodes_[id].parent * C + c];
     };
@@ -358,6 +446,8 @@ void LightField<C>::push_instance(std::uint32_t i, Push what) {
     };
     for (std::uint32_t id = in.first_cluster; id < in.first_face; ++id) {
         const Node& n = nodes_[id];
+        take_own(id);
+        if (n.kind == NodeKind::Flat) std::copy_n(&p.vectors[n.slot * kFlat], kFlat, &vectors_[n.slot * kFlat]);
         if (n.parent == kNoNode) continue;
         add_parent(id);
         if (n.kind != NodeKind::Flat || nodes_[n.parent].kind != NodeKind::Flat) continue;
@@ -376,6 +466,8 @@ void LightField<C>::push_instance(std::uint32_t i, Push what) {
         const float* v = &vectors_[nodes_[n.parent].slot * kFlat];
         const Vec3 normal = n.normal();
         float* from = &inherited_[id * C];
+        take_own(id);
+        std::copy_n(&p.from_bins[id * C], C, from);
         for (std::size_t c = 0; c < C; ++c) {
             const double e = normal.x * double(v[3 * c]) + normal.y * double(v[3 * c + 1]) + normal.z * double(v[3 * c + 2]);
             from[c] += static_cast<float>(std::max(0.0, e)) + irradiance_[n.parent * C + c];
@@ -385,12 +477,10 @@ void LightField<C>::push_instance(std::uint32_t i, Push what) {
         if (what == Push::BoundRows) inherited_scale_[id] = bounded_scale(irradiance_[id * C], from[0]);
         add_inherited(id, from);
     }
-    if (what == Push::BoundRows)
-        for (auto it = in.elements.rbegin(); it != in.elements.rend(); ++it)
-            if (nodes_[nodes_[*it].parent].depth > 0)
-                inherited_[nodes_[*it].parent * C] += (irradiance_[*it * C] + inherited_[*it * C]) / 4;
-    for (std::size_t k = 0; k < in.elements.size(); ++k) {
-        const std::uint32_t id = in.elements[k], parent = nodes_[id].parent;
+    for (const std::uint32_t id : in.elements) take_own(id);
+    if (what == Push::BoundRows) gather_rows(in);
+    for (const std::uint32_t id : in.elements) {
+        const std::uint32_t parent = nodes_[id].parent;
         if (what == Push::BoundRows && id == nodes_[parent].first_child) share_out(parent);
         add_inherited(id, &irradiance_[parent * C]);
     }
@@ -453,28 +543,101 @@ void LightField<C>::for_each_leaf(std::uint32_t i, const F& f) const {
 }
 
 template <int C>
+void LightField<C>::grow(Passage& p) const {
+    p.sent.resize(nodes_.size() * C, 0);
+    p.received.resize(nodes_.size() * C, 0);
+    p.vectors.resize(std::size_t(nodes_.flat_count()) * 6 * C, 0);
+    p.from_bins.resize(nodes_.size() * C, 0);
+    p.changed.resize(nodes_.size(), 0);
+    p.stale.resize(nodes_.size(), 1);
+}
+
+// What has changed by more than the tolerance counts from now on.
+template <int C>
+void LightField<C>::send(Passage& p, double tolerance) {
+    parallel_for(nodes_.size(), kGrain, [&](std::size_t id) {
+        const double square = mean_over<C>([&](std::size_t c) {
+            return std::pow(double(radiosity_[id * C + c]) - double(p.sent[id * C + c]), 2);
+        });
+        p.changed[id] = p.whole || square > tolerance * tolerance;
+        if (p.changed[id]) std::copy_n(&radiosity_[id * C], C, &p.sent[id * C]);
+    });
+    p.bins.pull(p.sent, p.changed);
+    p.groups.pull(p.bins, p.sent);
+    if (p.groups.any()) std::fill_n(p.changed.begin(), nodes_.group_count(), std::uint8_t{1});
+}
+
+template <int C>
+void LightField<C>::leave_unsent(double part) {
+    unsent_part_ = part;
+    tolerance_ = part > 0 ? part * reflected_norm() : 0;
+}
+
+template <int C>
+double LightField<C>::find_unsent() const {
+    if (tolerance_ <= 0) return 0;
+    const std::size_t instances = nodes_.scene().instances.size();
+    std::vector<double> square(instances, 0);
+    parallel_for(instances, 1, [&](std::size_t i) {
+        for_each_leaf(static_cast<std::uint32_t>(i), [&](std::uint32_t id) {
+            square[i] += nodes_[id].area * mean_over<C>([&](std::size_t c) {
+                return std::pow(double(radiosity_[id * C + c]) - double(light_.sent[id * C + c]), 2);
+            });
+        });
+    });
+    double sum = 0, area = 0;
+    for (std::uint32_t i = 0; i < instances; ++i) sum += square[i], area += nodes_[nodes_.root(i)].area;
+    return area > 0 ? std::sqrt(sum / area) : 0.0;
+}
+
+// What groups bring is not kept, so their members receive anew each time.
+template <int C>
+bool LightField<C>::receives_anew(const Passage& p, std::uint32_t node) const {
+    if (p.whole || p.stale[node] || (p.groups.any() && nodes_[node].kind != NodeKind::Surface)) return true;
+    for (std::uint32_t k = scalar_row_[node].first; k < scalar_row_[node].last; ++k)
+        if (p.changed[scalar_[k].source]) return true;
+    for (std::uint32_t k = directed_row_[node].first; k < directed_row_[node].last; ++k)
+        if (p.changed[directed_[k].source]) return true;
+    return false;
+}
+
+template <int C>
 void LightField<C>::transport(Push what) {
-    bins_.pull(radiosity_);
-    groups_.pull(bins_, radiosity_);
-    if (tinted() && what == Push::Light) {
-        gather_surfaces<true>();
-        gather_bins<true>();
+    const bool light = what == Push::Light;
+    Passage& p = light || !unit_ ? light_ : *unit_;
+    const double tolerance = light ? tolerance_ : unsent_part_;  // of unit radiosity
+    send(p, tolerance);
+    if (tinted() && light) {
+        gather_surfaces<true>(p);
+        gather_bins<true>(p);
     } else {
-        gather_surfaces<false>();
-        gather_bins<false>();
+        gather_surfaces<false>(p);
+        gather_bins<false>(p);
     }
-    groups_.push(bins_, vectors_);
-    inherited_.assign(nodes_.size() * C, 0.0f);
-    bins_.push(inherited_);
-    parallel_for(nodes_.scene().instances.size(), 1, [&](std::size_t i) { push_instance(static_cast<std::uint32_t>(i), what); });
+    p.groups.push(p.bins, p.vectors);
+    reached_ = p.bins.push(p.from_bins, tolerance);
+    parallel_for(nodes_.scene().instances.size(), 1, [&](std::size_t k) {
+        const auto i = static_cast<std::uint32_t>(k);
+        const InstanceNodes& in = nodes_.instance(i);
+        const auto faces = static_cast<std::ptrdiff_t>(nodes_.scene().instances[i].data().faces.size());
+        const auto first = p.stale.begin() + in.first_cluster, last = p.stale.begin() + in.first_face + faces;
+        reached_[i] = reached_[i] || p.whole || (light && push_all_) || std::find(first, last, 1) != last ||
+                      std::any_of(in.elements.begin(), in.elements.end(), [&](std::uint32_t id) { return p.stale[id] != 0; });
+        if (reached_[i]) push_instance(i, what, p);
+    });
+    std::fill(p.stale.begin(), p.stale.end(), std::uint8_t{0});
+    p.whole = false;
+    if (light) push_all_ = false;
 }
 
 template <int C>
 void LightField<C>::bound_rows() {
     const std::vector<float> radiosity = radiosity_, irradiance = irradiance_;
     std::fill(radiosity_.begin(), radiosity_.end(), 1.0f);
-    inherited_scale_.assign(nodes_.size(), 1.0f);
+    inherited_scale_.resize(nodes_.size(), 1.0f);
+    if (!unit_) light_.whole = true;
     transport(Push::BoundRows);
+    if (!unit_) light_.whole = true;
     radiosity_ = radiosity;
     irradiance_ = irradiance;
 }
@@ -485,7 +648,9 @@ double LightField<C>::close_rows() {
     const std::vector<float> kept = radiosity_;
     std::fill(radiosity_.begin(), radiosity_.end(), 1.0f);
     row_scale_.clear();
+    light_.whole = true;
     transport();
+    light_.whole = true;
     row_scale_.assign(nodes_.size(), 1.0f);
     double sum = 0, total = 0;
     for (std::uint32_t i = 0; i < nodes_.scene().instances.size(); ++i)
@@ -523,18 +688,21 @@ void LightField<C>::advance(double times) {
         reflect_instance(i);
     });
     pull_groups();
+    push_all_ = true;
 }
 
 template <int C>
 double LightField<C>::sweep() {
     before_ = irradiance_;
     transport();
+    unsent_ = find_unsent();
     const std::size_t instances = nodes_.scene().instances.size();
     std::vector<double> change(instances, 0), area(instances, 0);
     parallel_for(instances, 1, [&](std::size_t k) {
         const auto i = static_cast<std::uint32_t>(k);
+        area[i] = nodes_[nodes_.root(i)].area;
+        if (!reached_[i]) return;
         for_each_leaf(i, [&](std::uint32_t id) {
-            area[i] += nodes_[id].area;
             std::array<double, C> square;
             for (std::size_t c = 0; c < C; ++c) {
                 float& e = irradiance_[id * C + c];
@@ -557,14 +725,17 @@ double LightField<C>::sweep() {
 
 template <int C>
 double LightField<C>::reflected_norm() const {
-    double sum = 0, total = 0;
-    for (std::uint32_t i = 0; i < nodes_.scene().instances.size(); ++i)
-        for_each_leaf(i, [&](std::uint32_t id) {
-            total += nodes_[id].area;
-            sum += nodes_[id].area * mean_over<C>([&](std::size_t c) {
+    const std::size_t instances = nodes_.scene().instances.size();
+    std::vector<double> square(instances, 0);
+    parallel_for(instances, 1, [&](std::size_t i) {
+        for_each_leaf(static_cast<std::uint32_t>(i), [&](std::uint32_t id) {
+            square[i] += nodes_[id].area * mean_over<C>([&](std::size_t c) {
                 return std::pow(double(reflectance(id, c)) * double(irradiance_[id * C + c]), 2);
             });
         });
+    });
+    double sum = 0, total = 0;
+    for (std::uint32_t i = 0; i < instances; ++i) sum += square[i], total += nodes_[nodes_.root(i)].area;
     return total > 0 ? std::sqrt(sum / total) : 0.0;
 }
 
@@ -577,10 +748,10 @@ void LightField<C>::fill(Guide& guide) const {
     const auto grey = [](const std::vector<float>& v, std::size_t id) {
         return static_cast<float>(std::sqrt(mean_over<C>([&](std::size_t c) { return std::pow(double(v[id * C + c]), 2); })));
     };
-    for (std::size_t id = 0; id < nodes_.size(); ++id) {
+    parallel_for(nodes_.size(), kGrain, [&](std::size_t id) {
         guide.radiosity[id] = grey(radiosity_, id);
         const Node& n = nodes_[static_cast<std::uint32_t>(id)];
-        if (n.kind != NodeKind::Surface) continue;
+        if (n.kind != NodeKind::Surface) return;
         // Channels count by the square of their light, as in the error: a red face in red light reflects most of it.
         const auto face = static_cast<std::uint32_t>(id);
         constexpr double kDark = 1e-60;  // where there is none, all alike
@@ -592,7 +763,7 @@ void LightField<C>::fill(Guide& guide) const {
         }
         guide.reflectance[id] = static_cast<float>(std::sqrt(mean_of(sent) / mean_of(light)));
         guide.irradiance[id] = grey(irradiance_, id);
-    }
+    });
     // Upwards: sums over children, which follow their parents.
     std::vector<double> square(nodes_.size(), 0);
     double area = 0;
@@ -629,7 +800,8 @@ void LightField<C>::fill(Guide& guide) const {
 
 template <int C>
 std::uint64_t LightField<C>::bytes() const {
-    return scalar_.size() * sizeof(ScalarLink) + directed_.size() * sizeof(DirectedLink) + bins_.bytes() + groups_.bytes();
+    return scalar_.size() * sizeof(ScalarLink) + directed_.size() * sizeof(DirectedLink) + light_.bins.bytes() + light_.groups.bytes() +
+           (unit_ ? unit_->bins.bytes() + unit_->groups.bytes() : 0);
 }
 
 bool is_closed_shell(const Scene& scene) {

@@ -23,7 +23,10 @@ class LightField {
     /// Adds light that surfaces receive: [nodes * C] irradiance times `scale`. What they send is left to relight().
     void add(const std::vector<float>& irradiance, double scale);
 
-    void set_irradiance(const std::vector<float>& irradiance) { irradiance_ = irradiance; }
+    void set_irradiance(const std::vector<float>& irradiance) {
+        irradiance_ = irradiance;
+        push_all_ = true;
+    }
 
     /// Surfaces of one light group alone emit from now on; kAllGroups: all do.
     static constexpr std::uint32_t kAllGroups = 0xffffffffu;
@@ -40,13 +43,30 @@ class LightField {
     void extinguish();
 
     /// What leaves receive straight from sky, sun and lamps: a source of every sweep. [nodes]; empty: nothing
-    void set_outside(const std::vector<Rgb>& irradiance) { outside_ = irradiance; }
+    void set_outside(const std::vector<Rgb>& irradiance) {
+        outside_ = irradiance;
+        push_all_ = true;
+    }
 
     /// The light before any sweep: what is emitted, and the light from outside reflected once.
     void begin();
 
     /// Prepares the sweeps over these links.
     void set_links(const std::vector<Link>& links);
+
+    /// Keeps from now on, beside the light, what links bring of unit radiosity (bound_rows below), and of both what has
+    /// been pushed: for change_links.
+    void follow();
+
+    /// The same for links that differ from those before only at these nodes, in any order. What other nodes receive stays.
+    void change_links(const std::vector<Link>& links, const std::vector<std::uint32_t>& ends);
+
+    /// Surfaces and clusters whose radiosity has changed by less than this part of the reflected norm as it is now keep
+    /// sending what they sent: 0 is exact.
+    void leave_unsent(double part);
+    /// Area-weighted root mean square over leaf surfaces of what the last sweep left unsent, W/m^2. No more than this may
+    /// be missing from the change that it returned.
+    double unsent() const { return unsent_; }
 
     /// For a closed shell (is_closed_shell below): what every leaf receives under unit radiosity all around must be 1. Scales
     /// each leaf's irradiance so from now on, unless it is further off than a factor of two: then it
@@ -94,15 +114,51 @@ class LightField {
         float inverse_distance;
         EndMode source_mode, receiver_mode;
     };
+    /// Where the half links of one receiver lie.
+    struct Row {
+        std::uint32_t first = 0, last = 0;
+    };
+    /// Light on its way over the links. It stays from sweep to sweep, so that only what has changed passes again.
+    struct Passage {
+        Passage(const Nodes& nodes, const EndAreas& areas) : bins(nodes, areas), groups(nodes, areas) {}
+
+        DirectionBins<C> bins;
+        GroupBins<C> groups;
+        std::vector<float> sent;            // [nodes * C] radiosity as receivers have it
+        std::vector<float> received;        // [nodes * C] irradiance over a node's own links
+        std::vector<float> vectors;         // [flat slots * 6 * C] the same as irradiance vectors, then gradients of irradiance
+        std::vector<float> from_bins;       // [nodes * C] what faces receive through bins
+        std::vector<std::uint8_t> changed;  // [nodes] sends otherwise than it did
+        std::vector<std::uint8_t> stale;    // [nodes] has other links than before, or receives otherwise than before
+        bool whole = true;                  // nothing of this is known
+    };
     enum class Push { Light, BoundRows };
-    std::array<float, C> source_value(const DirectedLink& link) const;
+    template <class F>
+    void for_each_passage(const F& f) {
+        f(light_);
+        if (unit_) f(*unit_);
+    }
+    /// Half of a link: where it belongs in the receiver's row.
+    struct Half {
+        const Link* link;
+        std::uint32_t at;
+        bool at_a, scalar;
+    };
+    void add_rows(const std::vector<Link>& links, const std::vector<std::uint8_t>& wanted);
+    void set_half(const Half& half);
+    std::array<float, C> source_value(const Passage& p, const DirectedLink& link) const;
     using Tint = std::array<float, C>;
     void transport(Push what = Push::Light);  // radiosity_ -> irradiance_ of leaves
+    void grow(Passage& p) const;
+    void send(Passage& p, double tolerance);
+    double find_unsent() const;
+    bool receives_anew(const Passage& p, std::uint32_t node) const;
     template <bool Tinted>
-    void gather_surfaces();
+    void gather_surfaces(Passage& p);
     template <bool Tinted>
-    void gather_bins();
-    void push_instance(std::uint32_t i, Push what);
+    void gather_bins(Passage& p);
+    void push_instance(std::uint32_t i, Push what, const Passage& p);
+    void gather_rows(const InstanceNodes& in);  // before share_out(): of all elements of an instance
     void share_out(std::uint32_t parent);  // under unit radiosity: sets the scales of a surface's elements
     void reflect_instance(std::uint32_t i);  // leaves' irradiance -> radiosity of all nodes
     void pull_instance(std::uint32_t i);
@@ -119,8 +175,12 @@ class LightField {
 
     const Nodes& nodes_;
     const EndAreas& areas_;
-    DirectionBins<C> bins_;
-    GroupBins<C> groups_;
+    Passage light_;
+    std::optional<Passage> unit_;                    // with unit radiosity everywhere: where edits follow
+    double unsent_part_ = 0, tolerance_ = 0;         // relative, and in W/m^2
+    double unsent_ = 0;                              // W/m^2
+    bool push_all_ = true;                           // irradiance_ is not what the last sweep made of it
+    std::vector<std::uint8_t> reached_;              // [instances] by the last sweep
     std::uint32_t light_group_ = kAllGroups;         // that emits
     std::vector<float> radiosity_, irradiance_;      // [nodes * C]
     std::vector<Rgb> outside_;                       // [nodes] leaves' irradiance from sky, sun and lamps, or empty
@@ -129,8 +189,9 @@ class LightField {
     std::vector<float> inherited_;                   // [nodes * C] what faces receive through nodes above them
     std::vector<float> inherited_scale_;             // [nodes] surfaces; empty: all 1
     std::vector<float> row_scale_;                   // [nodes], leaves of closed scenes; else empty
-    std::vector<float> vectors_;                     // [flat slots * 6 * C] irradiance vectors, then gradients of irradiance
-    std::vector<std::uint32_t> scalar_first_, directed_first_;  // [nodes + 1]
+    std::vector<float> vectors_;                     // [flat slots * 6 * C] as in Passage, of nodes above, too
+    std::vector<Row> scalar_row_, directed_row_;     // [nodes]
+    std::size_t half_links_ = 0;                     // that rows refer to; scalar_ and directed_ hold old ones, too
     std::vector<ScalarLink> scalar_;
     std::vector<DirectedLink> directed_;
     std::optional<Vec3> tint_;  // 1/m: what a medium absorbs per channel beyond the channel of least; none where all are alike

@@ -25,6 +25,8 @@ class GroupBins {
     /// Call once after all use(), before bins.allocate(): marks the roots below.
     void allocate(DirectionBins<C>& bins);
     void clear_incoming();
+    /// Is any group used?
+    bool any() const { return !intensity_.empty(); }
 
     /// Sums up the roots' intensities, after bins.pull(). radiosity: [nodes * C]
     void pull(const DirectionBins<C>& bins, const std::vector<float>& radiosity);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "format/parallel.h"
+
 namespace rro {
 namespace {
 
@@ -55,6 +57,42 @@ std::optional<double> level_of_group(const Scene& scene, std::uint32_t group, co
     });
     if (!same) return std::nullopt;
     return level;
+}
+
+void SquareByLevel::add(double level, double square) {
+    if (points_.size() < 2 && (points_.empty() || points_[0][0] != level)) points_.push_back({level, square});
+}
+
+std::optional<double> SquareByLevel::at(double level) const {
+    if (points_.size() < 2) return std::nullopt;
+    const auto [x, p] = points_[0];
+    const auto [y, q] = points_[1];
+    const double slope = (q - p) / (y - x) - leading_ * (x + y);
+    return std::max(0.0, p + (level - x) * (slope + leading_ * (level + x)));
+}
+
+Solution sum_of_light(const Solution& base, const Solution& light, double times) {
+    Solution out = base;
+    const auto add = [&](Rgb& to, const Rgb& more) {
+        const auto sum = [&](float x, float y) { return static_cast<float>(std::max(0.0, double(x) + times * double(y))); };
+        to = {sum(to.x, more.x), sum(to.y, more.y), sum(to.z, more.z)};
+    };
+    parallel_for(out.instances.size(), 1, [&](std::size_t i) {
+        InstanceSolution& to = out.instances[i];
+        const InstanceSolution& from = light.instances[i];
+        for (std::size_t f = 0; f < to.radiosity.size(); ++f) {
+            add(to.radiosity[f], from.radiosity[f]);
+            add(to.irradiance[f], from.irradiance[f]);
+        }
+        for (std::size_t e = 0; e < to.elements.size(); ++e) {
+            add(to.elements[e].radiosity, from.elements[e].radiosity);
+            add(to.elements[e].irradiance, from.elements[e].irradiance);
+        }
+    });
+    out.energy.emitted += light.energy.emitted * times;
+    out.energy.absorbed += light.energy.absorbed * times;
+    out.energy.escaped = out.energy.emitted - out.energy.absorbed;
+    return out;
 }
 
 }  // namespace rro

@@ -13,6 +13,8 @@ namespace rro {
 struct Group {
     std::array<std::uint32_t, 2> child;  // below groups.size(): a group; else groups.size() + instance
     std::uint32_t first = 0, count = 0;  // its members lie in a row
+
+    bool operator==(const Group&) const = default;
 };
 
 struct GroupTree {
@@ -21,6 +23,7 @@ struct GroupTree {
 
     bool is_group(std::uint32_t child) const { return child < groups.size(); }
     std::uint32_t instance(std::uint32_t child) const { return child - static_cast<std::uint32_t>(groups.size()); }
+    bool operator==(const GroupTree&) const = default;
 };
 
 /// Halves the instances by their centres along the widest axis, down to single instances. Instances about as large as

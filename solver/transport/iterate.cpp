@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "format/parallel.h"
 #include "solver/transport/channels.h"
 
 namespace rro {
@@ -30,8 +31,9 @@ Residual iterate(LightField<C>& field, double goal, double largest_reflectance, 
         const double norm = field.reflected_norm(), before = q;
         if (++plain >= 3 && last > 0) q = std::clamp(r / last, slowest, most_q);
         last = r;
-        out.relative = norm > 0 ? r / ((1 - q) * norm) : 0;
+        out.relative = norm > 0 ? (r + field.unsent()) / ((1 - q) * norm) : 0;
         if (out.relative <= goal) break;
+        if (r < field.unsent()) field.leave_unsent(0);
         if (plain < 4 || q < kSlow || std::abs(q - before) > kSettled * (1 - q)) continue;
         field.advance(q / (1 - q));
         slowest = q;
@@ -127,36 +129,54 @@ void HindSight::correct(ErrorEstimate& estimate, const Nodes& nodes, const Light
     estimate.whole = std::sqrt(sum);
 }
 
+namespace {
+
 template <int C>
-void store_light(const Nodes& nodes, const LightField<C>& field, const std::vector<Rgb>& outside, Solution& solution) {
-    const Scene& scene = nodes.scene();
+void store_instance(const Nodes& nodes, const LightField<C>& field, std::uint32_t i, InstanceSolution& out, EnergyBalance& energy) {
+    const InstanceNodes& in = nodes.instance(i);
+    const auto faces = static_cast<std::uint32_t>(nodes.scene().instances[i].data().faces.size());
     const auto rgb = [](const std::vector<float>& v, std::size_t id) {
         return C == 1 ? Rgb{v[id], v[id], v[id]} : Rgb{v[id * C], v[id * C + 1 % C], v[id * C + 2 % C]};
     };
-    for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
+    out.radiosity.reserve(faces);
+    out.irradiance.reserve(faces);
+    for (std::uint32_t id = in.first_face; id < in.first_face + faces; ++id) {
+        out.radiosity.push_back(rgb(field.radiosity(), id));
+        out.irradiance.push_back(rgb(field.irradiance(), id));
+        for (std::size_t c = 0; c < 3; ++c) {
+            const std::size_t k = C == 1 ? 0 : c;
+            const auto ch = static_cast<int>(c);
+            const double e = double(field.irradiance()[id * C + k]) * nodes[id].area;
+            energy.emitted[ch] += double(field.exitance(id, k)) * nodes[id].area;
+            energy.absorbed[ch] += (1 - double(field.reflectance(id, k)) - double(field.transmittance(id, k))) * e;
+        }
+    }
+    for (const std::uint32_t id : in.elements)
+        if (nodes[id].child_count == 0)
+            out.elements.push_back({nodes.face_of(nodes[id]), nodes.element_corners(id), rgb(field.radiosity(), id),
+                                    rgb(field.irradiance(), id)});
+    std::stable_sort(out.elements.begin(), out.elements.end(), [](const Element& x, const Element& y) { return x.face < y.face; });
+}
+
+}  // namespace
+
+template <int C>
+void store_light(const Nodes& nodes, const LightField<C>& field, const std::vector<Rgb>& outside, Solution& solution) {
+    const Scene& scene = nodes.scene();
+    const std::size_t count = scene.instances.size();
+    std::vector<EnergyBalance> energy(count);
+    solution.instances.resize(count);
+    parallel_for(count, 1, [&](std::size_t i) {
+        store_instance(nodes, field, static_cast<std::uint32_t>(i), solution.instances[i], energy[i]);
+    });
+    for (std::uint32_t i = 0; i < count; ++i) {
+        solution.energy.emitted += energy[i].emitted;
+        solution.energy.absorbed += energy[i].absorbed;
         const InstanceNodes& in = nodes.instance(i);
         const auto faces = static_cast<std::uint32_t>(scene.instances[i].data().faces.size());
-        InstanceSolution& out = solution.instances.emplace_back();
-        for (std::uint32_t f = 0; f < faces; ++f) {
-            const std::uint32_t id = in.first_face + f;
-            out.radiosity.push_back(rgb(field.radiosity(), id));
-            out.irradiance.push_back(rgb(field.irradiance(), id));
+        for (std::uint32_t id = in.first_face; id < in.first_face + faces; ++id)
             if (nodes[id].child_count == 0) ++solution.elements;
-            for (std::size_t c = 0; c < 3; ++c) {
-                const std::size_t k = C == 1 ? 0 : c;
-                const auto ch = static_cast<int>(c);
-                const double e = double(field.irradiance()[id * C + k]) * nodes[id].area;
-                solution.energy.emitted[ch] += double(field.exitance(id, k)) * nodes[id].area;
-                solution.energy.absorbed[ch] += (1 - double(field.reflectance(id, k)) - double(field.transmittance(id, k))) * e;
-            }
-        }
-        for (const std::uint32_t id : in.elements)
-            if (nodes[id].child_count == 0)
-                out.elements.push_back({nodes.face_of(nodes[id]), nodes.element_corners(id), rgb(field.radiosity(), id),
-                                        rgb(field.irradiance(), id)});
-        solution.elements += out.elements.size();
-        std::stable_sort(out.elements.begin(), out.elements.end(),
-                         [](const Element& x, const Element& y) { return x.face < y.face; });
+        solution.elements += solution.instances[i].elements.size();
     }
     for (std::uint32_t id = 0; id < outside.size(); ++id)
         if (nodes[id].kind == NodeKind::Surface && nodes[id].child_count == 0)

@@ -53,6 +53,14 @@ double similarity_of(const Affine3& map) {
     return std::sqrt(square);
 }
 
+/// Forgets what is summed up over the children.
+void clear_sums(Node& node) {
+    node.centre = node.area_vector = {};
+    node.box = {};
+    node.moments = {};
+    node.area = 0;
+}
+
 }  // namespace
 
 double Node::mean_cosine(const Vec3& w, double fan) const {
@@ -76,6 +84,13 @@ Nodes::Nodes(const Scene& scene)
     set_groups();
 }
 
+void Nodes::move(const Scene& scene, std::span<const std::uint8_t> moved) {
+    scene_ = &scene;
+    for (std::uint32_t i = 0; i < moved.size(); ++i)
+        if (moved[i]) place_instance(i);
+    set_groups();
+}
+
 void Nodes::set_groups() {
     if (group_count() == 0) return;
     member_area_sum_.assign(1, 0);
@@ -86,6 +101,7 @@ void Nodes::set_groups() {
             return groups_.is_group(child) ? child : root(groups_.instance(child));
         };
         Node& node = nodes_[g];
+        clear_sums(node);
         node.kind = NodeKind::Bins;
         node.instance = kNoNode;
         node.index = g;
@@ -153,6 +169,7 @@ void Nodes::add_parts(std::uint32_t id, std::uint32_t first_face, std::uint32_t 
 
 void Nodes::sum_children(std::uint32_t id) {
     Node& node = nodes_[id];
+    clear_sums(node);
     const auto add = [&](std::uint32_t child) {
         Node& n = nodes_[child];
         n.parent = id;
@@ -183,10 +200,8 @@ void Nodes::add_instance(std::uint32_t i) {
     nodes_.resize(std::size_t(in.first_face) + face_count);
 
     for (std::uint32_t f = 0; f < face_count; ++f) {
-        Node& node = nodes_[in.first_face + f];
-        set_surface(node, instance.world_corners(data.faces[f]));
-        node.instance = i;
-        node.index = f;
+        nodes_[in.first_face + f].instance = i;
+        nodes_[in.first_face + f].index = f;
     }
     std::uint32_t next_part = in.first_cluster + cluster_count;
     for (std::uint32_t c = 0; c < cluster_count; ++c) {
@@ -203,26 +218,7 @@ void Nodes::add_instance(std::uint32_t i) {
             node.child_count = 2;
         }
     }
-    for (std::uint32_t id = in.first_face; id-- > in.first_cluster;) sum_children(id);
-
-    // Extents and cones are taken over the faces below, exactly: each face visits its ancestors.
-    std::vector<Vec3> normals(cluster_count + part_count);
-    for (std::uint32_t k = 0; k < normals.size(); ++k) {
-        Node& node = nodes_[in.first_cluster + k];
-        node.radius = 0;
-        node.cone_cosine = length(node.area_vector) > 1e-6 * node.area ? 1.0f : -1.0f;
-        normals[k] = node.normal();
-    }
-    for (std::uint32_t f = 0; f < face_count; ++f) {
-        const Node& face = nodes_[in.first_face + f];
-        const Vec3 normal = face.normal();
-        for (std::uint32_t a = face.parent; a != kNoNode; a = nodes_[a].parent) {
-            Node& node = nodes_[a];
-            node.radius = std::max(node.radius, static_cast<float>(length(face.centre - node.centre) + face.radius));
-            if (node.cone_cosine > -1)
-                node.cone_cosine = std::min(node.cone_cosine, static_cast<float>(dot(normals[a - in.first_cluster], normal)));
-        }
-    }
+    place_instance(i);
 
     // Kinds, top-down.
     const std::uint32_t terminal = std::max(kSmallestTerminal, patch_count / kTerminalsPerObject);
@@ -257,6 +253,39 @@ void Nodes::add_instance(std::uint32_t i) {
     in.planar = root.cone_cosine > 1 - 1e-6f;
     for (std::uint32_t f = 0; f < face_count && in.planar; ++f)
         in.planar = std::abs(dot(n, nodes_[in.first_face + f].centre - root.centre)) <= 1e-6 * root.radius;
+}
+
+void Nodes::place_instance(std::uint32_t i) {
+    const Instance& instance = scene_->instances[i];
+    const ObjectData& data = instance.data();
+    const InstanceNodes& in = instances_[i];
+    const auto face_count = static_cast<std::uint32_t>(data.faces.size());
+    const auto place_surface = [&](std::uint32_t id, const TriangleCorners& corners) {
+        nodes_[id].box = {};
+        set_surface(nodes_[id], corners);
+    };
+    for (std::uint32_t f = 0; f < face_count; ++f) place_surface(in.first_face + f, instance.world_corners(data.faces[f]));
+    for (const std::uint32_t id : in.elements) place_surface(id, corners(id));
+    for (std::uint32_t id = in.first_face; id-- > in.first_cluster;) sum_children(id);
+
+    // Extents and cones are taken over the faces below, exactly: each face visits its ancestors.
+    std::vector<Vec3> normals(in.first_face - in.first_cluster);
+    for (std::uint32_t k = 0; k < normals.size(); ++k) {
+        Node& node = nodes_[in.first_cluster + k];
+        node.radius = 0;
+        node.cone_cosine = length(node.area_vector) > 1e-6 * node.area ? 1.0f : -1.0f;
+        normals[k] = node.normal();
+    }
+    for (std::uint32_t f = 0; f < face_count; ++f) {
+        const Node& face = nodes_[in.first_face + f];
+        const Vec3 normal = face.normal();
+        for (std::uint32_t a = face.parent; a != kNoNode && !nodes_[a].group(); a = nodes_[a].parent) {
+            Node& node = nodes_[a];
+            node.radius = std::max(node.radius, static_cast<float>(length(face.centre - node.centre) + face.radius));
+            if (node.cone_cosine > -1)
+                node.cone_cosine = std::min(node.cone_cosine, static_cast<float>(dot(normals[a - in.first_cluster], normal)));
+        }
+    }
 }
 
 std::uint32_t Nodes::face_of(const Node& surface) const {

@@ -77,6 +77,8 @@ class Nodes {
     const Scene& scene() const { return *scene_; }
     /// The same instances in the same places, of other materials.
     void set_materials(const Scene& scene) { scene_ = &scene; }
+    /// The same instances in the same groups; those moved keep shape and size. Nodes keep their numbers.
+    void move(const Scene& scene, std::span<const std::uint8_t> moved);
     std::size_t size() const { return nodes_.size(); }
     const Node& operator[](std::uint32_t n) const { return nodes_[n]; }
     const InstanceNodes& instance(std::uint32_t i) const { return instances_[i]; }
@@ -117,6 +119,7 @@ class Nodes {
   private:
     void add_instance(std::uint32_t i);
     void add_parts(std::uint32_t node, std::uint32_t first_face, std::uint32_t count, std::uint32_t& next);
+    void place_instance(std::uint32_t i);
     void sum_children(std::uint32_t node);
     void set_groups();
     void set_surface(Node& node, const TriangleCorners& c) const;

@@ -57,7 +57,9 @@ class Refiner {
             if (outgrown(l, nodes_, guide_)) {
                 ++set_.change.removed;
                 stack_.push_back({l.a, l.b, l.stored, set_.tree ? set_.tree->record_of_link[k] : kNoNode});
-                if (set_.tree) (*set_.tree)[stack_.back().record].fate = PairFate::Open;
+                if (!set_.tree) continue;
+                (*set_.tree)[stack_.back().record].fate = PairFate::Open;
+                set_.note(l);
             } else {
                 if (set_.tree) renumber(k, static_cast<std::uint32_t>(kept));
                 set_.links[kept++] = l;
@@ -79,7 +81,6 @@ class Refiner {
             account(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
             for (std::size_t k = 0; k < count; ++k) take(batch_[k], verdicts_[k]);
         }
-        if (getenv("RRO_STAT")) fprintf(stderr,"  drop %zu accept %zu splitA %zu splitB %zu pending %zu\n",counts[0],counts[1],counts[2],counts[3],counts[4]);
     }
 
   private:
@@ -107,7 +108,6 @@ class Refiner {
             record.looked = v.looked;
             record.fate = v.action == Verdict::Action::Pending ? PairFate::Pending : PairFate::Dropped;
         }
-        ++counts[static_cast<int>(v.action)];
         switch (v.action) {
             case Verdict::Action::Drop: break;
             case Verdict::Action::Pending: set_.pending.push_back(pair); break;
@@ -125,7 +125,6 @@ class Refiner {
         stack_.insert(stack_.end(), below_.begin(), below_.end());
     }
 
-    std::size_t counts[5]={};
     LinkSet& set_;
     Nodes& nodes_;
     Guide& guide_;
@@ -148,12 +147,20 @@ void LinkSet::add(const Link& link, std::uint32_t record) {
         (*tree)[record].fate = PairFate::Linked;
         (*tree)[record].at = static_cast<std::uint32_t>(links.size());
         tree->record_of_link.push_back(record);
+        note(link);
     }
     links.push_back(link);
     ++change.added;
 }
 
+void LinkSet::replace(std::uint32_t number, const Link& link) {
+    links[number] = link;
+    note(link);
+    ++change.retested;
+}
+
 void LinkSet::remove(std::uint32_t link) {
+    note(links[link]);
     const std::uint32_t last = tree->record_of_link.back();
     (*tree)[last].at = link;
     tree->record_of_link[link] = last;
@@ -227,14 +234,23 @@ ErrorEstimate estimate_error(const LinkSet& set, const Nodes& nodes, double grow
     // their parents).
     std::vector<double> squares(nodes.size(), 0), plain(nodes.size(), 0), below(nodes.size(), 0);
     const std::size_t count = nodes.scene().instances.size();
-    std::vector<double> fourth(count, 0);  // what each link adds to the squared error, squared
+    std::vector<double> fourth(count + 1, 0);  // what each link adds to the squared error, squared; groups at the end
+    struct Receiver {  // what links ask of a node, close together
+        double per_area, reflecting;
+        std::uint32_t instance;
+    };
+    std::vector<Receiver> receivers(nodes.size());
+    parallel_for(nodes.size(), kGrain, [&](std::size_t n) {
+        const Node& node = nodes[static_cast<std::uint32_t>(n)];
+        receivers[n] = {node.area > 0 ? 1 / node.area : 0, node.area * std::pow(double(guide.reflectance[n]), 2),
+                        node.group() ? static_cast<std::uint32_t>(count) : node.instance};
+    });
     const auto add = [&](std::uint32_t to, std::uint32_t from, double error, double noise) {
-        if (!(nodes[to].area > 0)) return;
-        const double per = double(guide.radiosity[from]) / nodes[to].area;
-        squares[to] += per * per * (error * error + noise * noise);
+        const Receiver& r = receivers[to];
+        const double per = double(guide.radiosity[from]) * r.per_area, square = per * per * (error * error + noise * noise);
+        squares[to] += square;
         plain[to] += per * error;
-        const double one = nodes[to].area * std::pow(double(guide.reflectance[to]) * per, 2) * (error * error + noise * noise);
-        if (!nodes[to].group()) fourth[nodes[to].instance] += one * one;
+        fourth[r.instance] += r.reflecting * square * (r.reflecting * square);
     };
     for (const Link& l : set.links) {
         add(l.a, l.b, double(l.error_a), double(l.noise));

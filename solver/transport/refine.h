@@ -19,6 +19,7 @@ struct LinkSet {
     std::unique_ptr<PairTree> tree;  // of sets that follow edits; else none
     std::uint8_t round = 0;          // of refinement, for the tree
     LinkChange change;               // so far
+    std::vector<std::uint32_t> ends;  // nodes whose links have changed, where there is a tree; for whoever clears it
 
     /// Starts from all pairs of instances.
     /// with_tree  remember how the links come about?
@@ -27,6 +28,10 @@ struct LinkSet {
     /// Takes a link out; the last one gets its number. Sets with a tree only.
     void remove(std::uint32_t link);
     void add(const Link& link, std::uint32_t record);
+    /// The same ends exchange light otherwise.
+    void replace(std::uint32_t number, const Link& link);
+    /// The links of these ends are no longer what they were.
+    void note(const Link& link) { ends.insert(ends.end(), {link.a, link.b}); }
 };
 
 /// All pairs of instances and, where asked, every instance with itself; in groups where there are any.

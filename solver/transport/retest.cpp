@@ -192,8 +192,7 @@ class Retest {
         r.looked = v.looked;
         r.round = static_cast<std::uint8_t>(round);
         if (r.fate == fate && fate == PairFate::Linked) {
-            set_.links[r.at] = v.link;
-            ++set_.change.retested;
+            set_.replace(r.at, v.link);
             fresh_.push_back(record);
             return;
         }

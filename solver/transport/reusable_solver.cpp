@@ -9,6 +9,7 @@
 #include "solver/transport/group_light.h"
 #include "solver/transport/iterate.h"
 #include "solver/transport/retest.h"
+#include "solver/transport/stage.h"
 
 namespace rro {
 namespace {
@@ -38,30 +39,12 @@ constexpr double kSummed = 0.01;
 // Where edits have moved more than this part of the surface, or links have become more than this many times those of the
 // last solve from scratch, there is nothing left to be saved.
 constexpr double kMostMoved = 0.5, kMostGrowth = 1.5;
-
-/// What all passes of a solve stand on: made anew for every scene, from what there was.
-template <int C>
-struct Stage {
-    Stage(std::shared_ptr<const Scene> of, const Plan& plan, const TransportOptions& options)
-        : place(std::move(of)), scene(place), nodes(*scene), areas(nodes), rays(*scene), builder(nodes, areas, rays, options),
-          outside(*scene, plan, builder, rays, options), field(nodes, areas) {}
-    Stage(std::shared_ptr<const Scene> of, const Plan& plan, const TransportOptions& options, const Stage& before,
-          const UsedElements& used, const SceneChange& change)
-        : place(std::move(of)), scene(place), nodes(*scene), map(carry_nodes(before.nodes, used, change, nodes)), areas(nodes, &before.areas),
-          rays(*scene), builder(nodes, areas, rays, options), outside(*scene, plan, builder, rays, options), field(nodes, areas) {
-        field.take_over(before.field, map);
-    }
-
-    std::shared_ptr<const Scene> place;  // what rays and links refer to
-    std::shared_ptr<const Scene> scene;  // the same, or with the materials it has by now
-    Nodes nodes;
-    std::vector<std::uint32_t> map;  // [nodes before] their numbers
-    EndAreas areas;
-    SceneRays rays;
-    LinkBuilder builder;
-    OutsideLight outside;
-    LightField<C> field;
-};
+// Elements that links need no more stay until there are this many times the nodes of the last time they were looked for.
+constexpr double kMostElements = 1.2;
+// Changes of radiosity below this part of the accuracy, relative to the scene's reflected light, wait for more.
+constexpr double kUnsent = 0.02;
+// Links may err by this part of the accuracy: a tenth is left to the iteration, added by squares.
+constexpr double kSettled = 0.99;
 
 /// Does one plan lead to the same passes as another?
 bool same_passes(const Plan& a, const Plan& b) {
@@ -102,6 +85,7 @@ class Engine : public ReusableSolver::State {
         const auto start = Clock::now();
         stage_ = std::make_unique<Stage<C>>(std::move(scene), plan, options);
         set_ = std::make_unique<LinkSet>(stage_->nodes, plan.on("self"), follows);
+        if (follows) stage_->field.follow();
         guide_.share.assign(stage_->scene->instances.size(), std::pow(std::max(kCoarseAccuracy, options.accuracy), 2) * kFirstShare);
         guide_.scene_share = guide_.share.empty() ? 0 : guide_.share[0];
         first_seconds_ = seconds_since(start);
@@ -112,13 +96,14 @@ class Engine : public ReusableSolver::State {
         solution.seconds.links += first_seconds_;
         sources_ = sources_of(stage_->nodes, stage_->field);
         find_outside(true, solution, progress);
-        if (stage_->outside.any()) stage_->field.begin();
+        if (stage_->outside->any()) stage_->field.begin();
         guide_.error.assign(stage_->nodes.size(), 0.0f);
         stage_->field.fill(guide_);
         guide_.reflected = reflected_at_first();
         if (set_->tree) schedule_.first = guide_;
         settle(0, Links::None, solution, progress);
         links_at_first_ = set_->links.size();
+        nodes_at_first_ = stage_->nodes.size();
         return solution;
     }
 
@@ -139,29 +124,43 @@ class Engine : public ReusableSolver::State {
         set_->change = {};
         set_->rays = 0;
         set_->visibility_seconds = 0;
-        if (change.only_materials() && !stage_->outside.any()) {
+        if (change.only_materials() && !stage_->outside->any()) {
             follow_materials(std::move(scene), change, solution, progress);
             return solution;
         }
+        catch_up(*stage_->scene);
+        dimmer_ = {};
         groups_.clear();
+        if (stays_in_place(*scene, change)) {
+            const std::shared_ptr<const Scene> before = stage_->scene;
+            stage_->move(std::move(scene), plan, options, change.moved);
+            if (sources_changed_) {
+                sources_ = sources_of(stage_->nodes, stage_->field);
+                begin_guides();
+            }
+            guide_.share = schedule_.rounds.back().of_instance;
+            guide_.scene_share = schedule_.rounds.back().of_scene;
+            solution.seconds.links += seconds_since(start);
+            judge_again(touched_by(change, *before, 0), solution);
+            settle(kDirectRounds, Links::Ready, solution, progress);
+            return solution;
+        }
         const std::unique_ptr<Stage<C>> before = std::move(stage_);
         const bool same_outside = !change.places() && !change.lights;
         UsedElements used = used_elements(*set_, before->nodes);
         // What fell on their faces as a whole may never have been looked at.
-        if (same_outside && before->outside.any()) used.assign(used.size(), 1);
+        if (same_outside && before->outside->any()) used.assign(used.size(), 1);
         stage_ = std::make_unique<Stage<C>>(std::move(scene), plan, options, *before, used, change);
+        stage_->field.follow();
+        nodes_at_first_ = stage_->nodes.size();
         renumber(*set_, stage_->map);
         sources_ = sources_of(stage_->nodes, stage_->field);
         carry_guide(change);
-        if (same_outside && before->outside.any()) stage_->outside.take_over(before->outside, stage_->map);
+        if (same_outside && before->outside->any()) stage_->outside->take_over(*before->outside, stage_->map);
         solution.seconds.links += seconds_since(start);
         find_outside(!same_outside, solution, progress);
         begin_guides();
-
-        const auto linking = Clock::now();
-        if (change.places())
-            retest(*set_, stage_->nodes, stage_->builder, schedule_, guide_, touched_by(change, *before));
-        solution.seconds.links += seconds_since(linking);
+        if (change.places()) judge_again(touched_by(change, *before->scene, before->nodes.group_count()), solution);
         const bool placed = std::find(change.before.begin(), change.before.end(), SceneChange::kPlaced) != change.before.end();
         settle(kDirectRounds, placed ? Links::Retested : Links::Ready, solution, progress);
         return solution;
@@ -183,7 +182,9 @@ class Engine : public ReusableSolver::State {
 
     /// Light from outside comes first: it is a source like emitters, and its shadows divide faces.
     void find_outside(bool anew, Solution& solution, const Progress& progress) {
-        auto& [place, scene, nodes, map, areas, rays, builder, outside, field] = *stage_;
+        Nodes& nodes = stage_->nodes;
+        LightField<C>& field = stage_->field;
+        OutsideLight& outside = *stage_->outside;
         const auto start = Clock::now();
         guide_.area = sources_.area;
         entering_ = 0;
@@ -223,13 +224,24 @@ class Engine : public ReusableSolver::State {
         }
     }
 
-    /// No link changes. Where whole light groups are dimmed, not even a sweep is needed.
+    /// No link changes. Where whole light groups are dimmed, not even a sweep is needed; where it is one that has been dimmed
+    /// before, nothing but a sum.
     void follow_materials(std::shared_ptr<const Scene> scene, const SceneChange& change, Solution& solution, const Progress& progress) {
         auto start = Clock::now();
         before_ = std::exchange(stage_->scene, std::move(scene));
-        const bool dimmed = !change.reflectance && plan.on("interreflection") && dim(*before_);
+        const std::vector<std::uint32_t> changed = changed_groups(*before_, *stage_->scene);
+        sources_changed_ = true;
+        const bool sums = !change.reflectance && plan.on("interreflection");
+        if (sums && changed.size() == 1 && changed[0] == dimmer_.group && dim_again(solution)) {
+            stage_->nodes.set_materials(*stage_->scene);
+            before_.reset();
+            solution.seconds.iterate += seconds_since(start);
+            return;
+        }
+        catch_up(*before_);
+        const bool dimmed = sums && dim(*before_, changed);
         stage_->nodes.set_materials(*stage_->scene);
-        if (!dimmed) groups_.clear();
+        if (!dimmed) groups_.clear(), dimmer_ = {};
         before_.reset();
         sources_ = sources_of(stage_->nodes, stage_->field);
         stage_->field.relight();
@@ -237,16 +249,69 @@ class Engine : public ReusableSolver::State {
         guide_.share = schedule_.rounds.back().of_instance;
         guide_.scene_share = schedule_.rounds.back().of_scene;
         settle(kDirectRounds, dimmed ? Links::Lit : Links::Swept, solution, progress);
+        if (dimmed) remember_dimmer(changed, solution);
+    }
+
+    /// One group, dimmed more than once while all else stays.
+    struct Dimmer {
+        std::uint32_t group = LightField<C>::kAllGroups;
+        SquareByLevel error, light;  // of all light together, sum of A R^2, W^2/m^2
+        double level = 0;            // of `base` and of the light field
+        double now = 0;              // of the solution last given
+        Solution base;
+    };
+
+    void remember_dimmer(const std::vector<std::uint32_t>& changed, const Solution& solution) {
+        const auto found = groups_.find(changed[0]);
+        if (changed.size() != 1 || found == groups_.end()) {
+            dimmer_ = {};
+            return;
+        }
+        if (dimmer_.group != changed[0])
+            dimmer_ = {changed[0], SquareByLevel(found->second.error_square), SquareByLevel(found->second.light_square), 0, 0, {}};
+        dimmer_.level = dimmer_.now = level_of_group(*stage_->scene, changed[0], *found->second.lit_in).value_or(0);
+        dimmer_.base = solution;
+        dimmer_.base.seconds = {};
+        dimmer_.error.add(dimmer_.level, std::pow(error_, 2) * guide_.reflected);
+        dimmer_.light.add(dimmer_.level, guide_.reflected);
+    }
+
+    /// The sum alone; false, and nothing done, where its error is not known or too large for these links.
+    bool dim_again(Solution& solution) {
+        const GroupLight& group = groups_.at(dimmer_.group);
+        const auto level = level_of_group(*stage_->scene, dimmer_.group, *group.lit_in);
+        if (!level) return false;
+        const auto error = dimmer_.error.at(*level), light = dimmer_.light.at(*level);
+        if (!error || !light || std::sqrt(*error) > kSettled * options.accuracy * std::sqrt(*light)) return false;
+        const double more = *level - dimmer_.level;
+        solution = sum_of_light(dimmer_.base, group.solution, more);
+        const double norm = std::sqrt(*light / sources_.area);
+        const double left = dimmer_.base.residual * std::sqrt(*dimmer_.light.at(dimmer_.level) / sources_.area) + std::abs(more) * group.residual;
+        solution.residual = norm > 0 ? left / norm : 0;
+        solution.estimated_error = std::hypot(*light > 0 ? std::sqrt(*error / *light) : 0, solution.residual);
+        solution.converged = solution.estimated_error <= options.accuracy;
+        solution.iterations = 0;
+        dimmer_.now = *level;
+        return true;
+    }
+
+    /// Gives the light field what sums have been told since.
+    void catch_up(const Scene& scene) {
+        if (dimmer_.now == dimmer_.level) return;
+        stage_->nodes.set_materials(scene);
+        stage_->field.add(groups_.at(dimmer_.group).irradiance, dimmer_.now - dimmer_.level);
+        stage_->field.relight();
+        dimmer_ = {};
     }
 
     /// Adds or takes away light of groups that are dimmed as a whole; false, and nothing done, where more than that differs.
-    bool dim(const Scene& before) {
+    bool dim(const Scene& before, const std::vector<std::uint32_t>& groups) {
         LightField<C>& field = stage_->field;
         std::vector<std::pair<std::uint32_t, double>> changes;
-        for (const std::uint32_t group : changed_groups(before, *stage_->scene)) {
+        for (const std::uint32_t group : groups) {
             const auto level = [&](const Scene& scene) { return level_of_group(scene, group, *groups_[group].lit_in); };
             const bool known = groups_.count(group) > 0 && level(before) && level(*stage_->scene);
-            if (!known) groups_[group] = light_of_group(group);
+            if (!known) groups_[group] = light_of_group(group), dimmer_ = {};
             const auto then = level(before), now = level(*stage_->scene);
             if (!then || !now) return false;
             changes.emplace_back(group, *now - *then);
@@ -270,13 +335,20 @@ class Engine : public ReusableSolver::State {
         stage_->nodes.set_materials(*before_);
         if (residual_.relative > goal) residual_ = iterate(field, goal, sources_.largest_reflectance, kMostSweeps);
         const std::vector<float> all = field.irradiance();
-        GroupLight light{shines(*before_, group) ? before_ : stage_->scene, {}, 0};
+        GroupLight light;
+        light.lit_in = shines(*before_, group) ? before_ : stage_->scene;
         stage_->nodes.set_materials(*light.lit_in);
         field.emit_only(group);
         field.extinguish();
         const Residual left = iterate(field, goal, sources_.largest_reflectance, kMostSweeps);
         light.irradiance = field.irradiance();
         light.residual = left.relative * field.reflected_norm();
+        store_light(stage_->nodes, field, {}, light.solution);
+        Guide guide = guide_;
+        field.fill(guide);
+        const double growth = closed() ? 1.0 : amplification(stage_->nodes, field, *stage_->outside);
+        light.error_square = std::pow(estimate_error(*set_, stage_->nodes, growth, {}, guide).whole, 2) * guide.reflected;
+        light.light_square = guide.reflected;
         field.emit_only(LightField<C>::kAllGroups);
         field.set_irradiance(all);
         field.relight();
@@ -285,6 +357,7 @@ class Engine : public ReusableSolver::State {
 
     /// The guides of the first round and of later ones, before retest.
     void begin_guides() {
+        sources_changed_ = false;
         const LightField<C>& field = stage_->field;
         stage_->field.fill_sources(schedule_.first);
         schedule_.first.error.assign(stage_->nodes.size(), 0.0f);
@@ -299,10 +372,18 @@ class Engine : public ReusableSolver::State {
             guide_.error.push_back(guide_.error[stage_->nodes[n].parent]);
     }
 
-    Touched touched_by(const SceneChange& change, const Stage<C>& before) const {
+    /// Do nodes and light keep their numbers?
+    bool stays_in_place(const Scene& scene, const SceneChange& change) const {
         const Nodes& nodes = stage_->nodes;
-        Touched touched{change.moved, std::vector<std::uint8_t>(nodes.group_count(), 1), {}};
-        for (std::uint32_t g = 0; g < before.nodes.group_count(); ++g)
+        return change.only_places() && !stage_->outside->any() && double(nodes.size()) <= kMostElements * double(nodes_at_first_) &&
+               same_shapes(*stage_->scene, scene, change) && (nodes.group_count() == 0 || group_instances(scene) == nodes.groups());
+    }
+
+    /// renewed  groups before, where they may have others numbers or members now; 0: they are the same
+    Touched touched_by(const SceneChange& change, const Scene& before, std::uint32_t renewed) const {
+        const Nodes& nodes = stage_->nodes;
+        Touched touched{change.moved, std::vector<std::uint8_t>(nodes.group_count(), renewed > 0), {}};
+        for (std::uint32_t g = 0; g < renewed; ++g)
             if (stage_->map[g] != kNoNode) touched.group[stage_->map[g]] = 0;
         for (std::uint32_t g = nodes.group_count(); g-- > 0;)
             for (const std::uint32_t child : {nodes[g].first_child, nodes[g].second_child})
@@ -310,10 +391,16 @@ class Engine : public ReusableSolver::State {
         for (std::uint32_t i = 0; i < change.moved.size(); ++i) {
             if (!change.moved[i]) continue;
             touched.blockers.push_back(&stage_->scene->instances[i]);
-            if (change.before[i] != SceneChange::kPlaced) touched.blockers.push_back(&before.scene->instances[change.before[i]]);
+            if (change.before[i] != SceneChange::kPlaced) touched.blockers.push_back(&before.instances[change.before[i]]);
         }
-        for (const std::uint32_t i : change.deleted) touched.blockers.push_back(&before.scene->instances[i]);
+        for (const std::uint32_t i : change.deleted) touched.blockers.push_back(&before.instances[i]);
         return touched;
+    }
+
+    void judge_again(const Touched& touched, Solution& solution) {
+        const auto start = Clock::now();
+        retest(*set_, stage_->nodes, *stage_->builder, schedule_, guide_, touched);
+        solution.seconds.links += seconds_since(start);
     }
 
     /// Pairs that wait for light although it has reached them: a little of it comes last of all.
@@ -342,14 +429,16 @@ class Engine : public ReusableSolver::State {
     }
 
     /// Makes the light field carry the links as they are.
-    void prepare_sweeps() {
-        auto& [place, scene, nodes, map, areas, rays, builder, outside, field] = *stage_;
-        field.grow();
+    void prepare_sweeps(bool follows) {
+        LightField<C>& field = stage_->field;
+        OutsideLight& outside = *stage_->outside;
         if (outside.any()) {
-            outside.find(nodes);
+            outside.find(stage_->nodes);
             field.set_outside(outside.irradiance());
         }
-        field.set_links(set_->links);
+        if (follows) field.change_links(set_->links, set_->ends);
+        else field.set_links(set_->links);
+        set_->ends.clear();
         field.bound_rows();
         if (closed()) field.close_rows();
     }
@@ -366,7 +455,7 @@ class Engine : public ReusableSolver::State {
         LightField<C>& field = stage_->field;
         const Nodes& nodes = stage_->nodes;
         const bool bounces = plan.on("interreflection"), follows = links != Links::None;
-        const double allowed = 0.99 * options.accuracy;  // a tenth is left to the iteration, added by squares
+        const double allowed = kSettled * options.accuracy;
         solution.accuracy = options.accuracy;
         double error = 0;
         // Rounds for single instances were spent when the scene was solved from scratch.
@@ -381,9 +470,11 @@ class Engine : public ReusableSolver::State {
             set_->round = static_cast<std::uint8_t>(std::max<std::size_t>(schedule_.rounds.size(), 1) - 1);
             const std::size_t before = nodes.size(), links_before = set_->links.size();
             const std::uint64_t rays_before = set_->rays;
-            if (!ready) groups_.clear();
-            if (!ready) refine(*set_, stage_->nodes, guide_, stage_->builder);
-            if (!ready || links < Links::Swept) prepare_sweeps();
+            if (!ready) groups_.clear(), dimmer_ = {};
+            if (!ready) refine(*set_, stage_->nodes, guide_, *stage_->builder);
+            field.grow();
+            field.leave_unsent(follows ? kUnsent * options.accuracy : 0);
+            if (!ready || links < Links::Swept) prepare_sweeps(follows);
             bool changed = nodes.size() != before || set_->links.size() != links_before || set_->rays != rays_before;
             solution.seconds.links += seconds_since(start);
 
@@ -398,8 +489,8 @@ class Engine : public ReusableSolver::State {
             solution.seconds.iterate += seconds_since(start);
 
             field.fill(guide_);
-            ErrorEstimate estimate = estimate_error(*set_, nodes, closed() ? 1.0 : amplification(nodes, field, stage_->outside),
-                                                    stage_->outside.error(), guide_);
+            ErrorEstimate estimate = estimate_error(*set_, nodes, closed() ? 1.0 : amplification(nodes, field, *stage_->outside),
+                                                    stage_->outside->error(), guide_);
             hind_sight.correct(estimate, nodes, field);
             error = estimate.whole;
             if (ready) changed = links == Links::Retested || lit_pending() > lit_pending_;
@@ -415,6 +506,7 @@ class Engine : public ReusableSolver::State {
             solution.seconds.iterate += seconds_since(start);
         }
         residual_ = residual;
+        error_ = error;
         lit_pending_ = lit_pending();
         solution.residual = residual.relative;
         solution.estimated_error = std::hypot(error, residual.relative);
@@ -424,7 +516,7 @@ class Engine : public ReusableSolver::State {
 
     void report(Solution& solution) const {
         const Nodes& nodes = stage_->nodes;
-        solution.rays = set_->rays + stage_->outside.rays();
+        solution.rays = set_->rays + stage_->outside->rays();
         solution.seconds.visibility = set_->visibility_seconds + solution.seconds.outside;
         solution.seconds.links -= set_->visibility_seconds;
         for (const Link& l : set_->links) {
@@ -432,7 +524,7 @@ class Engine : public ReusableSolver::State {
             else ++(l.mean() ? solution.links.near : solution.links.far);
         }
         solution.links.bytes = set_->links.size() * sizeof(Link) + stage_->field.bytes();
-        store_light(nodes, stage_->field, stage_->outside.irradiance(), solution);
+        store_light(nodes, stage_->field, stage_->outside->irradiance(), solution);
     }
 
     std::unique_ptr<Stage<C>> stage_;
@@ -444,9 +536,12 @@ class Engine : public ReusableSolver::State {
     std::shared_ptr<const Scene> before_;         // while materials change
     std::ptrdiff_t lit_pending_ = 0;              // when the last solve ended
     Residual residual_;                           // of the light as it is
+    double error_ = 0;                            // estimated, of the links alone
+    Dimmer dimmer_;
+    bool sources_changed_ = false;                // since begin_guides()
     double entering_ = 0;  // sum of A R^2 of light from outside, reflected once, W^2/m^2
     double first_seconds_ = 0;
-    std::size_t links_at_first_ = 0;
+    std::size_t links_at_first_ = 0, nodes_at_first_ = 0;
 };
 
 TransportOptions effective(TransportOptions options, const Plan& plan) {

@@ -40,4 +40,18 @@ SceneChange scene_change(const Scene& before, const Scene& after) {
     return change;
 }
 
+bool same_shapes(const Scene& before, const Scene& after, const SceneChange& change) {
+    constexpr double kSame = 1e-9;  // relative, of products of axes: rounding of the manifest's numbers
+    for (std::uint32_t i = 0; i < change.before.size(); ++i) {
+        if (change.before[i] != i) return false;
+        if (!change.moved[i]) continue;
+        const Mat3 &a = before.instances[i].to_world.linear, &b = after.instances[i].to_world.linear;
+        const Mat3 x = a.transposed() * a, y = b.transposed() * b;
+        for (std::size_t r = 0; r < 3; ++r)
+            if (length(x.rows[r] - y.rows[r]) > kSame * length(x.rows[r])) return false;
+        if ((a.determinant() < 0) != (b.determinant() < 0)) return false;
+    }
+    return change.deleted.empty();
+}
+
 }  // namespace rro

@@ -21,9 +21,14 @@ struct SceneChange {
     bool places() const;
     /// Nothing but what surfaces emit and reflect.
     bool only_materials() const { return !places() && !lights && !surroundings && !transmittance; }
+    /// Nothing but where instances stand.
+    bool only_places() const { return !exitance && !reflectance && !transmittance && !lights && !surroundings; }
 };
 
 /// Instances are the same where name and archive are.
 SceneChange scene_change(const Scene& before, const Scene& after);
+
+/// Are all instances there, in the same order, and those moved only shifted or turned?
+bool same_shapes(const Scene& before, const Scene& after, const SceneChange& change);
 
 }  // namespace rro

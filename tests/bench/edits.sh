@@ -1,14 +1,15 @@
 #!/bin/sh
 # What edits cost, on the twelve-object room and on a hall of a hundred objects.
-#   edits.sh BUILD_DIR LIBRARY_DIR ROOM.json [ACCURACY] [REPEATS]
+#   edits.sh BUILD_DIR LIBRARY_DIR ROOM.json [ACCURACY] [REPEATS] [room|hall]
 # LIBRARY_DIR holds the sample library compiled (samples/README.md); ROOM.json is samples/scenes/twelve_object_room.json
 # beside it. Build the target edits_bench first.
 set -eu
-build=$1 library=$(cd "$2" && pwd) room=$3 accuracy=${4:-0.05} repeats=${5:-2}
+build=$1 library=$(cd "$2" && pwd) room=$3 accuracy=${4:-0.05} repeats=${5:-2} only=${6:-}
 here=$(cd "$(dirname "$0")" && pwd)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
+if [ "$only" != hall ]; then
 # The desk lamp gets a light group.
 python3 - "$room" "$library" "$work/room.json" <<'EOF'
 import json, os, sys
@@ -21,6 +22,8 @@ json.dump(scene, open(sys.argv[3], "w"))
 EOF
 echo "## Room, accuracy $accuracy"
 "$build/bin/edits_bench" "$work/room.json" "$here/room_edits.txt" "$accuracy" "$repeats"
+fi
+if [ "$only" = room ]; then exit; fi
 
 python3 "$here/hall.py" "$library" 100 "$work/hall.json"
 "$build/bin/rro-compile" build "$work/hall.shell.obj" --out "$work/hall.shell.rro" --quiet

@@ -132,7 +132,8 @@ int main(int count, char** words) {
     const auto shared = std::make_shared<const Scene>(session->scene());
     auto scratch = alone.solve(shared, options);
     if (!scratch) fail(scratch.error());
-    std::printf("\nfrom scratch at the end: %.0f ms; difference of the reflected light: %.5f\n", milliseconds_since(again),
+    std::printf("\nfrom scratch at the end: %.0f ms, %.0f links, estimate %.4f; difference of the reflected light: %.5f\n",
+                milliseconds_since(again), double(scratch->links.total()), scratch->estimated_error,
                 reflected_difference(session->scene(), session->solution(), *scratch));
     return 0;
 }

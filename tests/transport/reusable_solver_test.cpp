@@ -3,6 +3,8 @@
 #include <cstring>
 #include <random>
 
+#include "format/parallel.h"
+#include "solver/transport/group_light.h"
 #include "tests/support/solutions.h"
 
 using namespace rro;
@@ -47,6 +49,16 @@ class Room {
         instance.bounds.hi += by;
         instance.to_world.translation = to;
         instance.to_local = instance.to_world.inverse();
+    }
+    /// Other axes, about the same corner.
+    void turn(const std::string& name, const Mat3& linear) {
+        Instance& instance = scene_.instances[find(name)];
+        instance.to_world.linear = linear;
+        instance.to_local = instance.to_world.inverse();
+        instance.determinant_sign = linear.determinant() < 0 ? -1 : 1;
+        instance.bounds = {};
+        for (const Face face : instance.data().faces)
+            for (const Vec3& p : instance.world_corners(face)) instance.bounds.add(p);
     }
     void paint(const std::string& name, const Vec3& reflectance) {
         Instance& instance = scene_.instances[find(name)];
@@ -159,6 +171,46 @@ TEST_CASE("a moved box: only what it touches is judged again, and the light is t
     CHECK(difference(room, moved, from_scratch(room)) < kAgreement);
 }
 
+TEST_CASE("turned, and then made smaller: what keeps its shape keeps its nodes, what does not gets others", "[edit]") {
+    Room room;
+    Session session;
+    session.solve(room);
+    room.turn("c", {{Vec3{0.8, 0, 0.6}, Vec3{0, 1, 0}, Vec3{-0.6, 0, 0.8}}});
+    const Solution turned = session.solve(room);
+    CHECK_FALSE(session.solver.from_scratch());
+    CHECK(difference(room, turned, from_scratch(room)) < kAgreement);
+    room.turn("c", {{Vec3{0.7, 0, 0}, Vec3{0, 0.5, 0}, Vec3{0, 0, 0.6}}});
+    const Solution smaller = session.solve(room);
+    CHECK_FALSE(session.solver.from_scratch());
+    CHECK(difference(room, smaller, from_scratch(room)) < kAgreement);
+}
+
+TEST_CASE("edits give the same bits on any number of threads", "[edit]") {
+    std::vector<Solution> last;
+    for (const unsigned threads : {1u, 3u}) {
+        set_thread_count(threads);
+        Room room;
+        room.shine("lamp", {60, 55, 50}, 1);
+        Session session;
+        last.push_back(session.solve(room));
+        room.move("b", {2.6, 0.001, 1.1});
+        last.push_back(session.solve(room));
+        room.move("b", {2.4, 0.001, 1.0});
+        last.push_back(session.solve(room));
+        for (const double scale : {0.5, 0.25, 0.75}) {
+            room.shine("lamp", Vec3{60, 55, 50} * scale, 1);
+            last.push_back(session.solve(room));
+        }
+        room.move("c", {1.0, 0.001, 2.2});
+        last.push_back(session.solve(room));
+    }
+    set_thread_count(0);
+    for (std::size_t k = 0; k < last.size() / 2; ++k) {
+        INFO("solve " << k);
+        CHECK(same_bits(last[k], last[k + last.size() / 2]));
+    }
+}
+
 TEST_CASE("placed, deleted and moved at once", "[edit]") {
     Room room;
     Session session;
@@ -213,6 +265,27 @@ TEST_CASE("a dimmed light group is a weighted sum: no link, no ray, no sweep of 
         // Light is linear in what is emitted; both were iterated until a tenth of the accuracy was left.
         CHECK(difference(room, dimmed, scaled(first, static_cast<float>(scale))) < kAccuracy / 10);
     }
+}
+
+TEST_CASE("a move after a light group was dimmed by sums alone starts from the dimmed light", "[edit]") {
+    Room room;
+    room.shine("lamp", {60, 55, 50}, 1);
+    Session session;
+    session.solve(room);
+    for (const double scale : {0.5, 0.25, 0.75, 0.1}) {
+        room.shine("lamp", Vec3{60, 55, 50} * scale, 1);
+        session.solve(room);
+    }
+    room.move("b", {2.6, 0.001, 1.1});
+    CHECK(difference(room, session.solve(room), from_scratch(room)) < kAgreement);
+}
+
+TEST_CASE("the square of a sum follows the level of one of its parts", "[edit]") {
+    const Vec3 rest{1, 2, 0.5}, part{0.3, 0, 2};
+    SquareByLevel square(length2(part));
+    CHECK_FALSE(square.at(1));
+    for (const double level : {1.0, 1.0, 0.25}) square.add(level, length2(rest + part * level));
+    for (const double level : {0.0, 0.5, 1.0, 3.0}) CHECK(*square.at(level) == Approx(length2(rest + part * level)).epsilon(1e-12));
 }
 
 TEST_CASE("there and back: many random edits drift nowhere and the solver grows no further", "[edit]") {
