@@ -34,7 +34,7 @@ std::vector<std::uint32_t> carry_nodes(const Nodes& from, const UsedElements& us
     // An element in use needs those that it lies in.
     UsedElements divided(from.size(), 0), needed = used;
     for (auto n = static_cast<std::uint32_t>(from.size()); n-- > 0;)
-        if (needed[n] && from[n].depth > 0) divided[from[n].parent] = needed[from[n].parent] = 1;
+        if (needed[n] && from[n].planar() && from[n].depth > 0) divided[from[n].parent] = needed[from[n].parent] = 1;
     for (std::uint32_t n = 0; n < from.size(); ++n) {
         if (!divided[n] || stays[from[n].instance] == kNoNode) continue;
         to.subdivide(map[n]);

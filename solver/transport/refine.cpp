@@ -79,7 +79,6 @@ class Refiner {
             account(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
             for (std::size_t k = 0; k < count; ++k) take(batch_[k], verdicts_[k]);
         }
-        if (getenv("RRO_STAT")) fprintf(stderr,"  drop %zu accept %zu splitA %zu splitB %zu pending %zu\n",counts[0],counts[1],counts[2],counts[3],counts[4]);
     }
 
   private:
@@ -107,7 +106,6 @@ class Refiner {
             record.looked = v.looked;
             record.fate = v.action == Verdict::Action::Pending ? PairFate::Pending : PairFate::Dropped;
         }
-        ++counts[static_cast<int>(v.action)];
         switch (v.action) {
             case Verdict::Action::Drop: break;
             case Verdict::Action::Pending: set_.pending.push_back(pair); break;
@@ -125,7 +123,6 @@ class Refiner {
         stack_.insert(stack_.end(), below_.begin(), below_.end());
     }
 
-    std::size_t counts[5]={};
     LinkSet& set_;
     Nodes& nodes_;
     Guide& guide_;
