@@ -15,26 +15,29 @@ namespace {
 constexpr double kMostDoubt = 4;
 
 // Where light returns so nearly whole, and the share q of the last change that each sweep brings has settled to this part of
-// 1 - q, all changes still to come are added at once: q / (1 - q) times the last one.
-constexpr double kSlow = 0.9, kSettled = 0.1;
+// 1 - q, all changes still to come are added at once: q / (1 - q) times the last one. Changes of less than this part of the
+// light are rounding of single precision, which tells nothing of what is to come.
+constexpr double kSlow = 0.9, kSettled = 0.1, kRounding = 1e-6;
 
 }  // namespace
 
 template <int C>
 Residual iterate(LightField<C>& field, double goal, double largest_reflectance, int most) {
     Residual out;
-    double last = 0, q = largest_reflectance, slowest = 0;
+    double last = 0, ratio = 0, q = largest_reflectance, slowest = 0;
     const double most_q = std::clamp(largest_reflectance, 0.9999, 1 - 1e-7);  // single precision tells no more from 1
     int plain = 0;  // sweeps that followed one another
     for (out.sweeps = 1; out.sweeps <= most; ++out.sweeps) {
         const double r = field.sweep();
-        const double norm = field.reflected_norm(), before = q;
-        if (++plain >= 3 && last > 0) q = std::clamp(r / last, slowest, most_q);
+        const double norm = field.reflected_norm(), before = ratio;
+        ratio = last > 0 ? r / last : 0;
+        if (++plain >= 3) q = std::clamp(ratio, slowest, most_q);
         last = r;
         out.relative = norm > 0 ? (r + field.unsent()) / ((1 - q) * norm) : 0;
         if (out.relative <= goal) break;
         if (r < field.unsent()) field.leave_unsent(0);
-        if (plain < 4 || q < kSlow || std::abs(q - before) > kSettled * (1 - q)) continue;
+        const bool settled = plain >= 4 && ratio >= kSlow && std::abs(ratio - before) <= kSettled * (1 - q);
+        if (!settled || r < kRounding * norm) continue;
         field.advance(q / (1 - q));
         slowest = q;
         plain = 0;
