@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "format/sample_points.h"
+
 namespace rro {
 namespace {
 
@@ -24,22 +26,13 @@ bool edges_are_convex(const Surface& surface, double dent) {
     return true;
 }
 
-/// Solid angle of a triangle seen from p, negative from its back [Van Oosterom 1983].
-double solid_angle(const TriangleCorners& t, const Vec3& p) {
-    const Vec3 a = t[0] - p, b = t[1] - p, c = t[2] - p;
-    const double la = length(a), lb = length(b), lc = length(c);
-    const double volume = dot(a, cross(b, c));
-    const double scale = la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb;
-    return 2 * std::atan2(volume, scale);
-}
-
 /// Seen from the centre every face shows its back, and together they cover the sphere once: the surface is a star about
 /// the centre, so convex edges make a convex body.
 bool surrounds_its_centre(const Surface& surface, const Vec3& centre) {
     double angle = 0;
     for (std::size_t f = 0; f < surface.faces.size(); ++f) {
         if (height_over(surface, f, centre) >= 0) return false;
-        angle += solid_angle(surface.corners(surface.faces[f].triangle()), centre);
+        angle -= solid_angle(surface.corners(surface.faces[f].triangle()), centre);
     }
     return std::abs(angle / (4 * std::numbers::pi) - 1) < 0.01;  // an integer up to rounding
 }

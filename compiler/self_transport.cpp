@@ -287,18 +287,19 @@ class PairJudge {
         return m;
     }
 
-    /// A line from a point to a face, to one of a few candidates there by how much light goes that way (resampled
-    /// importance sampling; Talbot et al. 2005); nothing where no candidate is in front.
+    /// A line from a point to a face, to one of a few candidates there, spread by the solid angle that they fill, by how much
+    /// light goes that way (resampled importance sampling; Talbot et al. 2005); nothing where no candidate is in front.
     std::optional<ObjectRay> line_to(const FaceSampler::Point& p, std::uint32_t face, std::uint64_t seed, double choice) const {
+        const SeenTriangle seen(p.position, sampler_.corners(object_.faces[face]));
+        if (!(seen.solid_angle() > 0)) return std::nullopt;
         std::array<Vec3, kCandidates> w;
         std::array<double, kCandidates> sum;
         double all = 0;
         for (std::uint32_t c = 0; c < kCandidates; ++c) {
             const auto s = sobol4(c, seed);
-            const auto q = sampler_.point(face, face + 1, double(s[0]), double(s[1]));
-            w[c] = q.position - p.position;
-            const double d2 = length2(w[c]), out = dot(p.normal, w[c]), in = -dot(q.normal, w[c]);
-            if (out > 0 && in > 0) all += out * in / (d2 * d2);
+            w[c] = seen.point(double(s[0]), double(s[1])) - p.position;
+            const double out = dot(p.normal, w[c]);
+            if (out > 0) all += out / length(w[c]);
             sum[c] = all;
         }
         if (!(all > 0)) return std::nullopt;

@@ -1,5 +1,6 @@
 #include "format/sample_points.h"
 
+#include <algorithm>
 #include <cassert>
 #include <numbers>
 
@@ -174,6 +175,46 @@ std::array<Vec3, 3> frame_about(const Vec3& n) {
     const double a = -1 / (sign + n.z);
     const double b = n.x * n.y * a;
     return {Vec3{1 + sign * n.x * n.x * a, sign * b, -sign * n.x}, Vec3{b, sign + n.y * n.y * a, -n.y}, n};
+}
+
+double solid_angle(const TriangleCorners& t, const Vec3& p) {
+    const Vec3 a = t[0] - p, b = t[1] - p, c = t[2] - p;
+    const double la = length(a), lb = length(b), lc = length(c);
+    const double volume = dot(a, cross(b, c));  // negative from the front
+    const double scale = la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb;
+    return -2 * std::atan2(volume, scale);
+}
+
+SeenTriangle::SeenTriangle(const Vec3& from, const TriangleCorners& t) : from_(from), triangle_(t) {
+    solid_angle_ = rro::solid_angle(t, from);
+    for (std::size_t k = 0; k < 3; ++k) corner_[k] = normalised(t[k] - from);
+    const Vec3 to_second = cross(corner_[0], corner_[1]), to_third = cross(corner_[0], corner_[2]);
+    const double angle = std::atan2(length(cross(to_second, to_third)), dot(to_second, to_third));
+    cos_angle_ = std::cos(angle);
+    sin_angle_ = std::sin(angle);
+    cos_side_ = dot(corner_[0], corner_[1]);
+}
+
+Vec3 SeenTriangle::point(double u, double v) const {
+    constexpr double kSmall = 1e-4;  // sr; below, the sphere is flat, and the angles' sum too close to pi
+    const auto by_area = [&] {
+        const auto b = square_to_triangle(u, v);
+        return triangle_point(triangle_, b[0], b[1]);
+    };
+    if (!(solid_angle_ > kSmall) || !(sin_angle_ > 0)) return by_area();
+    // The third corner moves along its side until the part of the triangle has the share u of the solid angle.
+    const double part = u * solid_angle_, angle = std::atan2(sin_angle_, cos_angle_);
+    const double s = std::sin(part - angle), t = std::cos(part - angle);
+    const double x = t - cos_angle_, y = s + sin_angle_ * cos_side_;
+    const double below = (y * s + x * t) * sin_angle_;
+    const double along = below != 0 ? std::clamp(((y * t - x * s) * cos_angle_ - y) / below, -1.0, 1.0) : 1.0;
+    const auto beside = [](const Vec3& a, const Vec3& b) { return normalised(a - b * dot(a, b)); };
+    const Vec3 moved = corner_[0] * along + beside(corner_[2], corner_[0]) * std::sqrt(std::max(0.0, 1 - along * along));
+    const double z = 1 - v * (1 - dot(moved, corner_[1]));
+    const Vec3 direction = corner_[1] * z + beside(moved, corner_[1]) * std::sqrt(std::max(0.0, 1 - z * z));
+    const Vec3 normal = area_vector(triangle_);
+    const double towards = dot(normal, direction);
+    return towards < 0 ? from_ + direction * (dot(normal, triangle_[0] - from_) / towards) : by_area();
 }
 
 TriangleRule triangle_rule(int points) {

@@ -37,6 +37,28 @@ inline Vec3 triangle_point(const TriangleCorners& t, double b1, double b2) {
     return t[0] + (t[1] - t[0]) * b1 + (t[2] - t[0]) * b2;
 }
 
+/// Solid angle of a triangle seen from p, sr; negative from its back [Van Oosterom 1983].
+double solid_angle(const TriangleCorners& t, const Vec3& p);
+
+/// A triangle as a point sees it: of its points, evenly by the solid angle that they fill, however close it is [Arvo 1995].
+class SeenTriangle {
+  public:
+    SeenTriangle(const Vec3& from, const TriangleCorners& triangle);
+
+    /// sr; at most 0 from its back or out of its plane
+    double solid_angle() const { return solid_angle_; }
+
+    /// From the unit square; of a small solid angle, evenly by area. Only where the solid angle is greater than 0.
+    Vec3 point(double u, double v) const;
+
+  private:
+    Vec3 from_;
+    TriangleCorners triangle_;
+    std::array<Vec3, 3> corner_;  // unit vectors from the point
+    double solid_angle_ = 0, cos_angle_ = 0, sin_angle_ = 0;  // of the spherical triangle at the first corner
+    double cos_side_ = 0;                                     // of the side from the first corner to the second
+};
+
 /// A symmetric quadrature rule on the triangle: barycentric coordinates (of corners 1 and 2) and weights that sum to 1.
 struct TriangleRule {
     struct Node {

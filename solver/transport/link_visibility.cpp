@@ -64,6 +64,9 @@ EndPoint end_point(const Nodes& nodes, const EndAreas& areas, std::uint32_t id, 
     }
 }
 
+// Faces nearer than this many of their radii together.
+constexpr double kNearFaces = 2;
+
 // Rays whose agreement a proof is worth.
 constexpr std::uint32_t kAgreed = 16;
 
@@ -113,7 +116,29 @@ Transmittance LinkBuilder::transmittance(const Offer& o, double noise, double ed
     shaft.b = shaft_end(b);
     shaft.seed = mix64(key_a ^ mix64(key_b ^ options_.seed));
     const double nearest = std::max(0.25 * double(na.radius + nb.radius), 1e-3 * length(nb.centre - na.centre));
+    // Of two faces as near as this, the points of the larger are spread by the solid angle they fill from those of the smaller:
+    // few of them would lie near enough otherwise to say what is between.
+    const bool near = na.kind == NodeKind::Surface && nb.kind == NodeKind::Surface &&
+                      length(nb.centre - na.centre) < kNearFaces * double(na.radius + nb.radius);
+    const bool from_a = na.area <= nb.area;
+    const auto near_segment = [&](const std::array<float, 4>& s) {
+        const std::uint32_t from = from_a ? a : b, to = from_a ? b : a;
+        const EndPoint p = end_point(nodes_, areas_, from, {}, double(s[0]), double(s[1]));
+        const SeenTriangle seen(p.position, nodes_.corners(to));
+        const Node& n = nodes_[to];
+        EndPoint q{n.centre, n.normal(), {n.instance, nodes_.triangle_of(n)}};
+        double weight = 0;
+        if (seen.solid_angle() > 0) {
+            q.position = seen.point(double(s[2]), double(s[3]));
+            const Vec3 w = q.position - p.position;
+            weight = seen.solid_angle() * std::max(0.0, dot(p.normal, w)) / std::max(length(w), 1e-300);
+        }
+        const EndPoint &at_a = from_a ? p : q, &at_b = from_a ? q : p;
+        return Segment{at_a.position, at_b.position, at_a.on, at_b.on, weight,
+                       {passed(na, mode_a, at_a.on.instance), passed(nb, mode_b, at_b.on.instance)}};
+    };
     const auto segment = [&](const std::array<float, 4>& s) {
+        if (near) return near_segment(s);
         const EndPoint p = end_point(nodes_, areas_, a, nb.centre, double(s[0]), double(s[1]));
         const EndPoint q = end_point(nodes_, areas_, b, na.centre, double(s[2]), double(s[3]));
         const Vec3 w = q.position - p.position;
