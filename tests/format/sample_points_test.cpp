@@ -6,6 +6,8 @@
 #include <set>
 #include <vector>
 
+#include "format/form_factor.h"
+
 using namespace rro;
 
 namespace {
@@ -209,4 +211,43 @@ TEST_CASE("triangle rules integrate every monomial exactly up to their degree", 
     CHECK(triangle_rule(0).nodes.size() == 1);
     CHECK(triangle_rule(4).nodes.size() == 6);
     CHECK(triangle_rule(13).nodes.size() == 16);
+}
+
+TEST_CASE("solid angles of triangles: an octant, the walls of a closed room, and the back", "[format][sample_points]") {
+    const TriangleCorners octant{Vec3{1, 0, 0}, Vec3{0, 0, 1}, Vec3{0, 1, 0}};
+    CHECK(solid_angle(octant, {}) == Approx(std::numbers::pi / 2).epsilon(1e-14));
+    CHECK(solid_angle({octant[0], octant[2], octant[1]}, {}) == Approx(-std::numbers::pi / 2).epsilon(1e-14));
+    CHECK(solid_angle(octant, (octant[0] + octant[1]) * 0.5) == Approx(0).margin(1e-12));  // on its edge: in its plane
+    const std::array<Vec3, 4> corner{Vec3{1, 1, 1}, Vec3{1, -1, -1}, Vec3{-1, 1, -1}, Vec3{-1, -1, 1}};
+    double all = 0;
+    for (const auto& f : {std::array<std::size_t, 3>{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}})
+        all += solid_angle({corner[f[0]], corner[f[1]], corner[f[2]]}, {0.1, 0.2, -0.15});
+    CHECK(std::abs(all) == Approx(4 * std::numbers::pi).epsilon(1e-14));
+}
+
+TEST_CASE("points of a triangle as seen are spread evenly over its solid angle, however close it is", "[format][sample_points]") {
+    const TriangleCorners triangle{Vec3{-1, 0, -1}, Vec3{0.5, 0, 2}, Vec3{2, 0, -1}};  // looks up
+    const Vec3 up{0, 1, 0};
+    constexpr std::uint32_t kPoints = 4096;
+    // 4096 points of a net count any of these shapes to a hundredth.
+    for (const double height : {1e-3, 0.1, 1.0, 30.0, 3000.0})
+        for (const Vec3& foot : {Vec3{0.3, 0, -0.2}, Vec3{-1, 0, -1}, Vec3{1.5, 0, 1.5}}) {
+            const Vec3 from = foot + up * height;
+            const SeenTriangle seen(from, triangle);
+            INFO("height " << height << " over " << foot.x << ", " << foot.z);
+            REQUIRE(seen.solid_angle() > 0);
+            // Halves by a line from the first corner, and the cosine-weighted mean: the form factor.
+            const Vec3 middle = (triangle[1] + triangle[2]) * 0.5;
+            const double half = solid_angle({triangle[0], triangle[1], middle}, from) / seen.solid_angle();
+            const auto side = [&](const Vec3& p) { return cross(middle - triangle[0], p - triangle[0]).y; };
+            double in_half = 0, factor = 0;
+            for (const auto& s : sobol_points(kPoints, 3)) {
+                const Vec3 p = seen.point(double(s[0]), double(s[1]));
+                REQUIRE(std::abs(p.y) <= 1e-9 * (1 + height));
+                in_half += (side(p) > 0) == (side(triangle[1]) > 0) ? 1.0 / kPoints : 0.0;
+                factor += dot(from - p, up) / length(from - p) / kPoints * seen.solid_angle() / std::numbers::pi;
+            }
+            CHECK(in_half == Approx(half).margin(0.01));
+            CHECK(factor == Approx(point_to_triangle(from, -up, triangle)).epsilon(0.01));
+        }
 }
