@@ -6,6 +6,7 @@
 #include <map>
 #include <utility>
 
+#include "solver/transport/fill_guide.h"
 #include "solver/transport/group_light.h"
 #include "solver/transport/iterate.h"
 #include "solver/transport/retest.h"
@@ -98,7 +99,7 @@ class Engine : public ReusableSolver::State {
         find_outside(true, solution, progress);
         if (stage_->outside->any()) stage_->field.begin();
         guide_.error.assign(stage_->nodes.size(), 0.0f);
-        stage_->field.fill(guide_);
+        fill_guide(stage_->nodes, stage_->field, guide_);
         guide_.reflected = reflected_at_first();
         if (set_->tree) schedule_.first = guide_;
         settle(0, Links::None, solution, progress);
@@ -345,7 +346,7 @@ class Engine : public ReusableSolver::State {
         light.residual = left.relative * field.reflected_norm();
         store_light(stage_->nodes, field, {}, light.solution);
         Guide guide = guide_;
-        field.fill(guide);
+        fill_guide(stage_->nodes, field, guide);
         const double growth = closed() ? 1.0 : amplification(stage_->nodes, field, *stage_->outside);
         light.error_square = std::pow(estimate_error(*set_, stage_->nodes, growth, {}, guide).whole, 2) * guide.reflected;
         light.light_square = guide.reflected;
@@ -362,7 +363,7 @@ class Engine : public ReusableSolver::State {
         stage_->field.fill_sources(schedule_.first);
         schedule_.first.error.assign(stage_->nodes.size(), 0.0f);
         schedule_.first.reflected = reflected_at_first();
-        field.fill(guide_);
+        fill_guide(stage_->nodes, field, guide_);
         grow_errors();
         guide_.share = schedule_.rounds.back().of_instance;
         guide_.scene_share = schedule_.rounds.back().of_scene;
@@ -488,7 +489,7 @@ class Engine : public ReusableSolver::State {
             solution.iterations += residual.sweeps;
             solution.seconds.iterate += seconds_since(start);
 
-            field.fill(guide_);
+            fill_guide(stage_->nodes, field, guide_);
             ErrorEstimate estimate = estimate_error(*set_, nodes, closed() ? 1.0 : amplification(nodes, field, *stage_->outside),
                                                     stage_->outside->error(), guide_);
             hind_sight.correct(estimate, nodes, field);
