@@ -14,12 +14,6 @@ namespace {
 
 constexpr std::size_t kGrain = 256;  // numbers per parallel chunk
 
-template <int C>
-float component(const Rgb& rgb, std::size_t c) {
-    static_assert(C == 1 || C == 3);
-    return c == 0 ? rgb.x : c == 1 ? rgb.y : rgb.z;  // grey scenes carry equal components
-}
-
 }  // namespace
 
 template <int C>
