@@ -108,18 +108,6 @@ void compare_sides(const ObjectData& a, const ObjectData& b, const TrianglePairs
     }
 }
 
-void compare_count(const std::string& kind, const std::string& what, std::size_t before, std::size_t after,
-                   Changes& out) {
-    if (before == after) return;
-    out.push_back({"geometry",
-                   kind,
-                   what,
-                   std::uint64_t{before},
-                   std::uint64_t{after},
-                   {},
-                   what + ": " + from_to(before, after)});
-}
-
 void compare_point(const std::string& kind, const std::string& what, const Vec3& before, const Vec3& after,
                    Changes& out) {
     if (before == after) return;
@@ -138,7 +126,7 @@ void compare_geometry(const ObjectData& a, const ObjectData& b, const TrianglePa
     const std::size_t start = out.size();
     compare_triangles(a, b, triangles, out);
     compare_sides(a, b, triangles, out);
-    compare_count("vertices", "vertices", a.positions.size(), b.positions.size(), out);
+    compare_count("geometry", "vertices", "vertices", a.positions.size(), b.positions.size(), out);
     compare_point("origin", "origin of the coordinates", a.origin, b.origin, out);
     if (mesh_differs && out.size() == start)
         out.push_back({"geometry",
@@ -148,7 +136,7 @@ void compare_geometry(const ObjectData& a, const ObjectData& b, const TrianglePa
                        {},
                        {},
                        "the same triangles, vertices and sides, stored in another order"});
-    compare_count("source_triangles", "triangles in the source", a.meta.source_triangles, b.meta.source_triangles, out);
+    compare_count("geometry", "source_triangles", "triangles in the source", a.meta.source_triangles, b.meta.source_triangles, out);
     compare_point("bounds_lo", "bounds from", a.meta.bounds.lo, b.meta.bounds.lo, out);
     compare_point("bounds_hi", "bounds to", a.meta.bounds.hi, b.meta.bounds.hi, out);
     if (a.meta.area != b.meta.area)

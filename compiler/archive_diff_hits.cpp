@@ -107,10 +107,7 @@ std::string sphere_text(const ObjectData& data) {
 }  // namespace
 
 void compare_hits(const Archive& a, const Archive& b, Changes& out) {
-    const std::uint64_t before = a.data().hit_volumes.size(), after = b.data().hit_volumes.size();
-    const std::string what = "volumes with hit probabilities";
-    if (before != after)
-        out.push_back({"tables", "hit_volumes", what, before, after, {}, what + ": " + from_to(before, after)});
+    compare_count("tables", "hit_volumes", "volumes with hit probabilities", a.data().hit_volumes.size(), b.data().hit_volumes.size(), out);
     for (const bool whole : {true, false}) compare_probabilities(a, b, whole, out);
 }
 

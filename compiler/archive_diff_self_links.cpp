@@ -18,13 +18,10 @@ double mean_received(const ObjectData& data) {
 }  // namespace
 
 void compare_self_links(const ObjectData& a, const ObjectData& b, Changes& out) {
-    const auto add = [&](const char* kind, const std::string& what, auto before, auto after) {
-        if (before != after) out.push_back({"tables", kind, what, before, after, {}, what + ": " + from_to(before, after)});
-    };
-    add("self_links", "self links", std::uint64_t{a.self_exchange.size()}, std::uint64_t{b.self_exchange.size()});
+    compare_count("tables", "self_links", "self links", a.self_exchange.size(), b.self_exchange.size(), out);
     if (a.self_received.empty() || b.self_received.empty()) return;
-    add("self_received", "share of light that meets the object again", mean_received(a), mean_received(b));
-    add("closure", "error of the sum of patches' light", closure_defect(a).rms, closure_defect(b).rms);
+    compare_number("tables", "self_received", "share of light that meets the object again", mean_received(a), mean_received(b), out);
+    compare_number("tables", "closure", "error of the sum of patches' light", closure_defect(a).rms, closure_defect(b).rms, out);
 }
 
 }  // namespace rro

@@ -55,14 +55,7 @@ TreeMatch match_trees(const ObjectData& a, const ObjectData& b, const TrianglePa
 
 void compare_structure(const ObjectData& a, const ObjectData& b, const TreeMatch& trees, Changes& out) {
     const auto compare = [&](const std::string& kind, const std::string& what, std::size_t before, std::size_t after) {
-        if (before != after)
-            out.push_back({"structure",
-                           kind,
-                           what,
-                           std::uint64_t{before},
-                           std::uint64_t{after},
-                           {},
-                           what + ": " + from_to(before, after)});
+        compare_count("structure", kind, what, before, after, out);
     };
     const std::size_t patches = a.patches.size();
     const bool same_patches = trees.matched == patches && patches == b.patches.size();

@@ -30,13 +30,8 @@ void compare_settings(const ObjectData& a, const ObjectData& b, Changes& out) {
                        {},
                        "directions: " + directions_text(a.meta) + " -> " + directions_text(b.meta) +
                            "; tables are compared by their means"});
-    const auto compare = [&](const std::string& kind, const std::string& what, std::uint64_t before,
-                             std::uint64_t after) {
-        if (before != after)
-            out.push_back({"tables", kind, what, before, after, {}, what + ": " + from_to(before, after)});
-    };
-    compare("image_resolution", "pixels along an image", a.meta.image_resolution, b.meta.image_resolution);
-    compare("area_clusters", "clusters with areas", a.area_clusters.size(), b.area_clusters.size());
+    compare_count("tables", "image_resolution", "pixels along an image", a.meta.image_resolution, b.meta.image_resolution, out);
+    compare_count("tables", "area_clusters", "clusters with areas", a.area_clusters.size(), b.area_clusters.size(), out);
 }
 
 /// One of the two kinds of effective area of an archive.

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <chrono>
 #include <cstdio>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -16,6 +15,7 @@
 #include "compiler/input_record.h"
 #include "format/archive_reader.h"
 #include "format/archive_writer.h"
+#include "format/clock.h"
 #include "format/layout.h"
 #include "format/tool/interrupt.h"
 #include "format/tool/program.h"
@@ -315,7 +315,7 @@ Result<BuildPlan> plan_build(const BuildRequest& request) {
 }
 
 BuildOutcome build_target(const BuildTarget& target, const BuildPlan& plan, const CompileProgress& progress) {
-    const auto start = std::chrono::steady_clock::now();
+    const auto start = Clock::now();
     BuildOutcome outcome;
     outcome.target = target;
     try {
@@ -324,7 +324,7 @@ BuildOutcome build_target(const BuildTarget& target, const BuildPlan& plan, cons
         outcome.error = error_from_exception(exception);
         if (outcome.error->where.empty()) outcome.error->where = target.mesh.string();
     }
-    outcome.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    outcome.seconds = seconds_since(start);
     return outcome;
 }
 

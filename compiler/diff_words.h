@@ -20,6 +20,17 @@ std::string from_to(double before, double after);
 std::string from_to(const Vec3& before, const Vec3& after);
 std::string from_to(std::uint64_t before, std::uint64_t after);
 
+/// Adds the change of a number, if it is one: "WHAT: 1 -> 2".
+template <class T>
+void compare_number(const std::string& group, const std::string& kind, const std::string& what, T before, T after,
+                    std::vector<Change>& out) {
+    if (before != after) out.push_back({group, kind, what, before, after, {}, what + ": " + from_to(before, after)});
+}
+inline void compare_count(const std::string& group, const std::string& kind, const std::string& what, std::uint64_t before,
+                          std::uint64_t after, std::vector<Change>& out) {
+    compare_number(group, kind, what, before, after, out);
+}
+
 /// (after - before) / before, or none where that has no value.
 DiffValue relative_change(double before, double after);
 

@@ -33,10 +33,9 @@ struct EffectiveAreas {
 /// faces, seen from its side: backs block, and so does the black side that a two-sided triangle turns to another
 /// cluster.
 ///
-/// source   paper section 4, figure 8; design 3.4
-/// departs  the paper does not say what hides a cluster; both answers are stored. Design 3.4 counts, for the intrinsic
-///          area, any face along the line; here the first hit decides, because a link that uses an intrinsic area
-///          ignores the cluster's own triangles and their backs block too
+/// source   paper section 4, figure 8
+/// departs  the paper does not say what hides a cluster; both answers are stored. For the intrinsic area the first hit along
+///          the line decides, because a link that uses it ignores the cluster's own triangles and their backs block too
 EffectiveAreas measure_effective_areas(const ObjectData& object, const TableChoice& tables);
 
 }  // namespace rro

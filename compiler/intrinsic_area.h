@@ -17,7 +17,6 @@ namespace rro {
 /// directions [D] unit; those with an opposite among them are cheaper
 /// clusters   [K] ascending; with a cluster all its ancestors
 /// returns    [K * D]
-/// source     design 3.4
 SampleCounts count_intrinsic(const ObjectData& object, std::span<const Vec3> directions,
                              std::span<const std::uint32_t> clusters, std::uint32_t resolution);
 

@@ -30,7 +30,7 @@ struct PatchGroups {
 /// neighbour, and dust to other dust nearby, where the limits allow. O(F log F), deterministic. The limits hold exactly
 /// for the mean normal of the finished patch.
 ///
-/// source   design 3.3; the paper starts from single triangles
+/// departs  the paper starts from single triangles
 PatchGroups make_patches(const Surface& surface, const PatchLimits& limits);
 
 }  // namespace rro

@@ -21,7 +21,7 @@ struct SelfLinks {
 /// Deterministic for any number of threads.
 ///
 /// object   with patches and clusters; directions and tables are not used
-/// source   hierarchical radiosity [Hanrahan, Salzman, Aupperle 1991], radiosity taken as 1 everywhere; design 3.8
+/// source   hierarchical radiosity [Hanrahan, Salzman, Aupperle 1991], radiosity taken as 1 everywhere
 SelfLinks measure_self_links(const ObjectData& object, const ObjectRays& rays);
 
 /// Where the light of each patch goes, as shares of it. [P]

@@ -18,10 +18,10 @@ struct SilhouetteAtlas {
 
 /// Images of 32 x 32 pixels along the 16 x 16 octahedral directions, half of them: opposite ones mirror each other. The
 /// share of a pixel that the object covers is counted at 4 x 4 samples, by scan conversion of all triangles; both sides
-/// block. A silhouette's area is right to some tenths of a percent.
+/// block. A silhouette's area is right to some tenths of a percent: measured to
+/// do as well as 36 rays through the middle of shafts wider than 5 R / 16.
 ///
 /// object   with its mesh filled in
-/// source   design 3.4; measured to do as well as 36 rays through the middle of shafts wider than 5 R / 16
 SilhouetteAtlas measure_silhouettes(const ObjectData& object);
 
 }  // namespace rro

@@ -11,7 +11,7 @@ namespace {
 
 // Squares of lengths beyond these leave the range of float. The importer refuses the same, by file.
 constexpr double kLargestExtent = 1e15, kSmallestExtent = 1e-13;  // m
-constexpr double kExtentsFromZero = 16;                           // design 2, precision
+constexpr double kExtentsFromZero = 16;                           // beyond, float would lose four bits of the shape
 
 Vec3 choose_origin(const Box3& bounds) {
     const double extent = max_component(bounds.extent());

@@ -19,7 +19,6 @@ struct TableErrors {
 /// images, known from their counts, is taken out of it.
 ///
 /// object   with its tables filled in
-/// source   design 3.7
 TableErrors measure_table_errors(const ObjectData& object);
 
 }  // namespace rro

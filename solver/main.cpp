@@ -1,10 +1,10 @@
 // rro-solve: what each command calls, in order, what it prints, its exit code; no logic.
-#include <chrono>
 #include <cstdio>
 #include <iostream>
 #include <optional>
 
 #include "format/atomic_file.h"
+#include "format/clock.h"
 #include "format/parallel.h"
 #include "format/tool/interrupt.h"
 #include "format/tool/program.h"
@@ -24,10 +24,6 @@ namespace rro {
 namespace {
 
 constexpr const char* kProgram = "rro-solve";
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 /// What a run uses of the archives.
 SectionSet sections_for(const Arguments& a, const Job& job) {
@@ -75,8 +71,8 @@ void print_summary(const Scene& scene, const Solution& s, std::optional<double> 
 /// Writes what was asked for, the report last: it holds the seconds of the others.
 /// returns  the exposure of the picture, where there is one to choose
 Result<std::optional<double>> write_outputs(const Arguments& a, const Job& job, const Scene& scene, Solution& solution,
-                                            std::chrono::steady_clock::time_point begun) {
-    const auto start = std::chrono::steady_clock::now();
+                                            Clock::time_point begun) {
+    const auto start = Clock::now();
     const DeferInterrupts until_written;
     std::optional<double> exposure;
     if (!a.radiosity.empty())
@@ -96,7 +92,7 @@ Result<std::optional<double>> write_outputs(const Arguments& a, const Job& job, 
 }
 
 int run(const Arguments& a) {
-    const auto begun = std::chrono::steady_clock::now();
+    const auto begun = Clock::now();
     const auto job = job_of(a);
     if (!job) return report_error(kProgram, job.error());
     const std::array<std::filesystem::path, 4> outputs{a.out, a.picture, a.radiosity, a.report};
@@ -146,10 +142,10 @@ Progress with_time_left(Progress draw) {
     if (!draw) return {};
     struct Phase {
         std::string name;
-        std::chrono::steady_clock::time_point begun;
+        Clock::time_point begun;
     };
     return [draw = std::move(draw), at = std::make_shared<Phase>()](std::string_view phase, double done) {
-        if (at->name != phase) *at = {std::string(phase), std::chrono::steady_clock::now()};
+        if (at->name != phase) *at = {std::string(phase), Clock::now()};
         const double spent = seconds_since(at->begun);
         if (done < 0.01 || spent < 1) return draw(phase, done);
         char text[64];
@@ -229,7 +225,7 @@ void print_factors(const Arguments& a, const FactorTable& f, const std::optional
 }
 
 int factors(const Arguments& a) {
-    const auto begun = std::chrono::steady_clock::now();
+    const auto begun = Clock::now();
     auto job = factors_job_of(a);
     if (!job) return report_error(kProgram, job.error());
     const std::array<std::filesystem::path, 2> outputs{a.out, a.report};
@@ -266,7 +262,7 @@ int factors(const Arguments& a) {
 
 /// One measured solve of `compare` or `tradeoff`, as `run` would do it.
 Result<SolvedScene> solve_once(const Manifest& manifest, const Job& job, const Progress& progress = {}) {
-    const auto begun = std::chrono::steady_clock::now();
+    const auto begun = Clock::now();
     SectionSet wanted = kGeometry | Section::Source;
     if (job.solve.method == Method::Reusable) wanted = wanted | kTables | sections_of(job.solve.visibility);
     auto scene = open_scene(manifest, wanted);

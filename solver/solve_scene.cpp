@@ -1,10 +1,10 @@
 #include "solver/solve_scene.h"
 
 #include <algorithm>
-#include <chrono>
 #include <functional>
 #include <string>
 
+#include "format/clock.h"
 #include "solver/effects/cost.h"
 #include "solver/study/hierarchical.h"
 #include "solver/study/reference.h"
@@ -23,12 +23,6 @@ constexpr const char* kNotBetweenSurfaces[] = {"sky", "sun", "lights", "transmis
 constexpr std::uint64_t kProgramBytes = std::uint64_t{16} << 20;
 constexpr std::uint64_t kBytesPerFace = 200;
 constexpr std::uint64_t kBytesPerPatch = 4000;
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-    return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 Error usage(std::string message) {
     return {ErrorKind::Usage, "", std::move(message), ""};

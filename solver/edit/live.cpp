@@ -1,7 +1,6 @@
 #include "solver/edit/live.h"
 
 #include <algorithm>
-#include <chrono>
 #include <deque>
 #include <istream>
 #include <nlohmann/json.hpp>
@@ -9,6 +8,7 @@
 #include <ostream>
 
 #include "format/atomic_file.h"
+#include "format/clock.h"
 #include "format/tool/interrupt.h"
 #include "format/tool/json_document.h"
 #include "format/tool/names.h"
@@ -27,14 +27,8 @@ namespace rro {
 namespace {
 
 using nlohmann::json;
-using Clock = std::chrono::steady_clock;
-
 constexpr std::uint64_t kLargestManifest = std::uint64_t{1} << 30;  // bytes
 constexpr std::size_t kLongestLine = std::size_t{64} << 20;         // bytes; a request for a million materials
-
-double milliseconds_since(Clock::time_point start) {
-    return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
 
 std::string line_of(const json& reply) {
     return reply.dump(-1, ' ', false, json::error_handler_t::replace);

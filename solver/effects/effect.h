@@ -15,7 +15,7 @@ namespace rro {
 
 /// What the solver's passes ask of the plan.
 struct Plan {
-    std::vector<EffectPlan> effects;    // in the contract's order, off ones included
+    std::vector<EffectPlan> effects;    // in the order of kEffects (solver/scene/built_in.h), off ones included
     std::vector<std::string> warnings;  // overrides that change the result
     int channels = 3;                   // 1 where everything is grey
 

@@ -9,7 +9,7 @@
 
 namespace rro {
 
-/// The names of the effects, in the contract's order.
+/// The names of the effects, in the order in which explain and reports list them.
 inline constexpr std::array<std::string_view, 12> kEffects{"emitters", "interreflection", "occlusion",    "self",
                                                            "colour",   "sky",             "sun",          "lights",
                                                            "transmission", "textures",    "groups",       "medium"};

@@ -1,22 +1,13 @@
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "format/tool/printed.h"
 #include "solver/study/compare.h"
 
 namespace rro {
 namespace {
 
 using nlohmann::json;
-
-/// printf into a string; lines of a table are short.
-template <class... Values>
-std::string line(const char* format, Values... values) {
-    std::array<char, 512> text;
-    std::snprintf(text.data(), text.size(), format, values...);
-    return text.data();
-}
 
 const char* name_of(Verdict verdict) {
     switch (verdict) {
@@ -46,21 +37,21 @@ double change_of(const Comparison& c, const std::string& what) {
 }
 
 std::string percent(double share) {
-    return line("%.3g %%", 100 * share);
+    return printed("%.3g %%", 100 * share);
 }
 
 std::string archives_sentence(const Comparison& c) {
-    std::string text = line("%zu of %zu archives changed", c.changed, c.archives);
+    std::string text = printed("%zu of %zu archives changed", c.changed, c.archives);
     for (const Making& m : c.made)
         if (m.base != m.head) text += "; " + m.what + ": " + m.base + " -> " + m.head;
-    return text + line("; %+.1f %% bytes.", change_of(c, "bytes of archives"));
+    return text + printed("; %+.1f %% bytes.", change_of(c, "bytes of archives"));
 }
 
 std::string time_sentence(const Comparison& c) {
     const PhaseTimes& t = c.times.back();
     if (t.verdict == Verdict::Same)
-        return line("no difference beyond the noise: head takes %.3f of base's time, single runs %.3f to %.3f.", t.ratio, t.low, t.high);
-    return line("head is %s: it takes %.3f of base's time, single runs %.3f to %.3f; %+.1f %% links.", name_of(t.verdict), t.ratio,
+        return printed("no difference beyond the noise: head takes %.3f of base's time, single runs %.3f to %.3f.", t.ratio, t.low, t.high);
+    return printed("head is %s: it takes %.3f of base's time, single runs %.3f to %.3f; %+.1f %% links.", name_of(t.verdict), t.ratio,
                 t.low, t.high, change_of(c, "links"));
 }
 
@@ -78,12 +69,12 @@ std::string light_sentence(const Comparison& c) {
 std::string where_sentence(const RadiosityDifference& r) {
     std::string text;
     if (r.largest > 0) {
-        text += line("Most, by %.3g W/m2, at triangle %u of ", r.largest, r.triangle) + r.instance;
+        text += printed("Most, by %.3g W/m2, at triangle %u of ", r.largest, r.triangle) + r.instance;
         if (!r.worst_instance.empty())
             text += "; of whole instances, " + r.worst_instance + " by " + percent(r.worst_relative_rms);
         text += ". ";
     }
-    if (r.unmatched > 0) text += line("%llu triangle sides are in one version only. ", count(r.unmatched));
+    if (r.unmatched > 0) text += printed("%llu triangle sides are in one version only. ", count(r.unmatched));
     return text;
 }
 
@@ -91,10 +82,10 @@ std::string where_sentence(const RadiosityDifference& r) {
 std::vector<std::string> gates(const Comparison& c) {
     std::vector<std::string> lines;
     if (c.options.fail_if_slower)
-        lines.push_back(line("%s: total time, at most %.4g times the base's, found %.4g", c.too_slow ? "FAILED" : "passed",
+        lines.push_back(printed("%s: total time, at most %.4g times the base's, found %.4g", c.too_slow ? "FAILED" : "passed",
                              *c.options.fail_if_slower, c.times.back().ratio));
     if (c.options.fail_if_differs)
-        lines.push_back(line("%s: difference of radiosity, at most %.3g, found %.3g",
+        lines.push_back(printed("%s: difference of radiosity, at most %.3g, found %.3g",
                              c.too_different ? "FAILED" : "passed", *c.options.fail_if_differs, c.radiosity.relative_rms));
     return lines;
 }
@@ -103,19 +94,19 @@ std::vector<std::string> gates(const Comparison& c) {
 
 std::string comparison_text(const Comparison& c) {
     std::string text = c.scene + ": base " + c.options.base.string() + ", head " + c.options.head.string() +
-                       line(", %d runs each, interleaved\n\n", c.options.runs);
+                       printed(", %d runs each, interleaved\n\n", c.options.runs);
     text += "Archives   " + archives_sentence(c) + "\nTime       " + time_sentence(c) + "\nRadiosity  " + light_sentence(c) + "\n";
     if (const std::string where = where_sentence(c.radiosity); !where.empty()) text += "           " + where + "\n";
     for (const std::string& gate : gates(c)) text += gate + "\n";
-    text += line("\n%-11s %20s %20s %11s  %-15s %s\n", "seconds", "base (spread)", "head (spread)", "head / base", "single runs",
+    text += printed("\n%-11s %20s %20s %11s  %-15s %s\n", "seconds", "base (spread)", "head (spread)", "head / base", "single runs",
                  "verdict");
     for (const PhaseTimes& t : c.times)
-        text += line("%-11s %10.4f (%7.4f) %10.4f (%7.4f) %11.3f  %6.3f - %6.3f %s\n", t.phase.c_str(), t.base, t.base_spread, t.head,
+        text += printed("%-11s %10.4f (%7.4f) %10.4f (%7.4f) %11.3f  %6.3f - %6.3f %s\n", t.phase.c_str(), t.base, t.base_spread, t.head,
                      t.head_spread, t.ratio, t.low, t.high, name_of(t.verdict));
-    text += line("\n%-28s %14s %14s %9s\n", "", "base", "head", "change");
+    text += printed("\n%-28s %14s %14s %9s\n", "", "base", "head", "change");
     for (const Pairing& p : c.sizes)
-        text += line("%-28s %14llu %14llu %+8.1f%%\n", p.what.c_str(), count(p.base), count(p.head), change_percent(p));
-    return text + line("%-28s %14.3g %14.3g\n", "estimated error", c.base_error, c.head_error);
+        text += printed("%-28s %14llu %14llu %+8.1f%%\n", p.what.c_str(), count(p.base), count(p.head), change_percent(p));
+    return text + printed("%-28s %14.3g %14.3g\n", "estimated error", c.base_error, c.head_error);
 }
 
 std::string comparison_json(const Comparison& c) {
@@ -161,17 +152,17 @@ std::string comparison_json(const Comparison& c) {
 std::string comparison_markdown(const Comparison& c) {
     std::string text = "### `" + c.scene + "`: `" + c.options.base.string() + "` to `" + c.options.head.string() + "`\n\n";
     text += "- **Archives:** " + archives_sentence(c) + "\n- **Time:** " + time_sentence(c) +
-            line(" %d runs each, interleaved.", c.options.runs) + "\n- **Radiosity:** " + light_sentence(c) + " " +
+            printed(" %d runs each, interleaved.", c.options.runs) + "\n- **Radiosity:** " + light_sentence(c) + " " +
             where_sentence(c.radiosity) + "\n";
     for (const std::string& gate : gates(c)) text += "- " + gate + "\n";
     text += "\n| seconds | base | head | head / base | single runs | verdict |\n|---|---:|---:|---:|---:|---|\n";
     for (const PhaseTimes& t : c.times)
-        text += line("| %s | %.4f | %.4f | %.3f | %.3f - %.3f | %s |\n", t.phase.c_str(), t.base, t.head, t.ratio, t.low,
+        text += printed("| %s | %.4f | %.4f | %.3f | %.3f - %.3f | %s |\n", t.phase.c_str(), t.base, t.head, t.ratio, t.low,
                      t.high, name_of(t.verdict));
     text += "\n| | base | head | change |\n|---|---:|---:|---:|\n";
     for (const Pairing& p : c.sizes)
-        text += line("| %s | %llu | %llu | %+.1f %% |\n", p.what.c_str(), count(p.base), count(p.head), change_percent(p));
-    return text + line("| estimated error | %.3g | %.3g | |\n", c.base_error, c.head_error);
+        text += printed("| %s | %llu | %llu | %+.1f %% |\n", p.what.c_str(), count(p.base), count(p.head), change_percent(p));
+    return text + printed("| estimated error | %.3g | %.3g | |\n", c.base_error, c.head_error);
 }
 
 }  // namespace rro

@@ -1,9 +1,9 @@
 #include "solver/study/hierarchical.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
+#include "format/clock.h"
 #include "format/parallel.h"
 #include "solver/study/quad_links.h"
 
@@ -19,11 +19,6 @@ constexpr int kMostRounds = 8;
 constexpr int kMostIterations = 1000;    // of one round
 constexpr double kSettled = 0.05;        // of the error asked: change in one iteration
 constexpr std::size_t kGrain = 256;
-
-using Clock = std::chrono::steady_clock;
-double seconds_since(Clock::time_point start) {
-    return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 /// Light of all elements; C channels.
 template <int C>

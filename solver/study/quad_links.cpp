@@ -1,9 +1,9 @@
 #include "solver/study/quad_links.h"
 
 #include <algorithm>
-#include <chrono>
 #include <numbers>
 
+#include "format/clock.h"
 #include "format/form_factor.h"
 #include "format/parallel.h"
 #include "format/sample_points.h"
@@ -21,11 +21,6 @@ constexpr int kNearbyPoints = 6;
 // looks bright and leaving what looks dark loses light in every penumbra (measured behind half a square: 3 % where the
 // oracle takes the rays at their word, 2 % at 1/8, 1 % at 1/2).
 constexpr double kUnseenShare = 0.5;
-
-using Clock = std::chrono::steady_clock;
-double seconds_since(Clock::time_point start) {
-    return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 /// No exchange between the two is larger, m^2: a disk of the one's area at the least distance, or all that leaves.
 double largest_exchange(const QuadElement& a, const QuadElement& b) {

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <atomic>
 #include <bit>
-#include <chrono>
 #include <cmath>
 #include <functional>
 #include <mutex>
 
+#include "format/clock.h"
 #include "format/parallel.h"
 #include "format/sample_points.h"
 #include "solver/study/path_tracer.h"
@@ -194,7 +194,7 @@ Result<Solution> solve_reference(const Scene& scene, const ReferenceOptions& opt
         return Error{ErrorKind::Usage, "", "accuracy must be above 0, found " + std::to_string(options.accuracy), ""};
     if (options.samples > kMaxSamples)
         return Error{ErrorKind::Usage, "", "at most " + std::to_string(kMaxSamples) + " samples per triangle", ""};
-    const auto start = std::chrono::steady_clock::now();
+    const auto start = Clock::now();
     const PathTracer tracer(scene);
     Gathering g = nothing_gathered(scene, options);
     Solution solution;
@@ -203,7 +203,7 @@ Result<Solution> solve_reference(const Scene& scene, const ReferenceOptions& opt
     fill_solution(scene, tracer, g, solution);
     solution.rays = g.rays;
     solution.elements = g.faces.size();
-    solution.seconds.iterate = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    solution.seconds.iterate = seconds_since(start);
     return solution;
 }
 

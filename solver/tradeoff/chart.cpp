@@ -1,9 +1,8 @@
 #include "solver/tradeoff/chart.h"
+#include "format/tool/printed.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 
 namespace rro {
@@ -16,13 +15,6 @@ constexpr double kMargin = 1.25;          // of the axes beyond the outermost ma
 constexpr std::size_t kMostTicks = 8;  // more labels would touch where they are dense
 constexpr double kLegendRow = 20;
 constexpr double kLetter = 7.5, kLetterHeight = 14;  // of labels, about
-
-template <class... Values>
-std::string line(const char* format, Values... values) {
-    std::array<char, 512> text;
-    std::snprintf(text.data(), text.size(), format, values...);
-    return text.data();
-}
 
 /// One axis: values to places.
 struct Axis {
@@ -41,20 +33,20 @@ struct Axis {
 };
 
 std::string tick_text(double value) {
-    return value >= 1e-3 && value < 1e4 ? line("%g", value) : line("%.0e", value);
+    return value >= 1e-3 && value < 1e4 ? printed("%g", value) : printed("%.0e", value);
 }
 
 std::string grid(const Chart& chart, const Axis& x, const Axis& y) {
     std::string out = "<g class=\"grid\">";
     for (const double v : log_ticks(x.low, x.high))
-        out += line("<path d=\"M%.1f %.1fV%.1f\"/><text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">%s</text>", x.place(v), y.to,
+        out += printed("<path d=\"M%.1f %.1fV%.1f\"/><text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">%s</text>", x.place(v), y.to,
                     y.from, x.place(v), y.from + 18, tick_text(v).c_str());
     for (const double v : log_ticks(y.low, y.high))
-        out += line("<path d=\"M%.1f %.1fH%.1f\"/><text x=\"%.1f\" y=\"%.1f\" text-anchor=\"end\">%s</text>", x.from, y.place(v), x.to,
+        out += printed("<path d=\"M%.1f %.1fH%.1f\"/><text x=\"%.1f\" y=\"%.1f\" text-anchor=\"end\">%s</text>", x.from, y.place(v), x.to,
                     x.from - 8, y.place(v) + 4, tick_text(v).c_str());
-    out += line("<text class=\"name\" x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">", (x.from + x.to) / 2, y.from + 42) +
+    out += printed("<text class=\"name\" x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">", (x.from + x.to) / 2, y.from + 42) +
            html_text(chart.x_name) + "</text>";
-    out += line("<text class=\"name\" transform=\"translate(18 %.1f) rotate(-90)\" text-anchor=\"middle\">", (y.from + y.to) / 2) +
+    out += printed("<text class=\"name\" transform=\"translate(18 %.1f) rotate(-90)\" text-anchor=\"middle\">", (y.from + y.to) / 2) +
            html_text(chart.y_name) + "</text></g>";
     return out;
 }
@@ -63,9 +55,9 @@ std::string grid(const Chart& chart, const Axis& x, const Axis& y) {
 std::string shape(int style, double x, double y) {
     const double r = kRadius;
     switch (style % 3) {
-        case 0: return line("<circle cx=\"%.1f\" cy=\"%.1f\" r=\"%.1f\"/>", x, y, r);
-        case 1: return line("<path d=\"M%.1f %.1fl%.1f %.1fh%.1fz\"/>", x, y - 1.2 * r, 1.2 * r, 2.2 * r, -2.4 * r);
-        default: return line("<rect x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\"/>", x - 0.9 * r, y - 0.9 * r, 1.8 * r, 1.8 * r);
+        case 0: return printed("<circle cx=\"%.1f\" cy=\"%.1f\" r=\"%.1f\"/>", x, y, r);
+        case 1: return printed("<path d=\"M%.1f %.1fl%.1f %.1fh%.1fz\"/>", x, y - 1.2 * r, 1.2 * r, 2.2 * r, -2.4 * r);
+        default: return printed("<rect x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\"/>", x - 0.9 * r, y - 0.9 * r, 1.8 * r, 1.8 * r);
     }
 }
 
@@ -83,7 +75,7 @@ class Labels {
                 const Area area{start, base - kLetterHeight, start + width, base + 3};
                 if (area.x0 < kLeft || area.x1 > kWidth || area.y1 > kHeight - kBottom || meets_any(area)) continue;
                 taken_.push_back(area);
-                return line("<text x=\"%.1f\" y=\"%.1f\"%s>", left ? x - 12 : x + 12, base, left ? " text-anchor=\"end\"" : "") +
+                return printed("<text x=\"%.1f\" y=\"%.1f\"%s>", left ? x - 12 : x + 12, base, left ? " text-anchor=\"end\"" : "") +
                        html_text(label) + "</text>";
             }
         return "";
@@ -105,8 +97,8 @@ std::string levels(const Chart& chart, const Axis& x, const Axis& y, Labels& lab
     std::string out;
     for (const Level& level : chart.levels) {
         if (level.y < y.low || level.y > y.high) continue;
-        out += line("<path class=\"level\" d=\"M%.1f %.1fH%.1f\"/>", x.from, y.place(level.y), x.to);
-        out += line("<text class=\"level\" x=\"%.1f\" y=\"%.1f\" text-anchor=\"end\">", x.to - 4, y.place(level.y) - 5) +
+        out += printed("<path class=\"level\" d=\"M%.1f %.1fH%.1f\"/>", x.from, y.place(level.y), x.to);
+        out += printed("<text class=\"level\" x=\"%.1f\" y=\"%.1f\" text-anchor=\"end\">", x.to - 4, y.place(level.y) - 5) +
                html_text(level.name) + "</text>";
         labels.keep_clear(x.to - 4 - kLetter * static_cast<double>(level.name.size()), y.place(level.y) - 5 - kLetterHeight, x.to, y.place(level.y));
     }
@@ -119,20 +111,20 @@ std::string mark_svg(const Mark& m, int style, const Axis& ax, const Axis& ay, L
     std::string out = "<g class=\"mark\" tabindex=\"0\" role=\"" + std::string(m.target.empty() ? "img" : "button") + "\" aria-label=\"" +
                       text + "\" data-text=\"" + text + "\"";
     if (!m.target.empty()) out += " data-target=\"" + html_text(m.target) + "\"";
-    out += line("><circle class=\"hit\" cx=\"%.1f\" cy=\"%.1f\" r=\"12\"/>", x, y);
-    if (m.x_high > m.x_low) out += line("<path class=\"bar\" d=\"M%.1f %.1fH%.1f\"/>", ax.place(m.x_low), y, ax.place(m.x_high));
-    if (m.y_high > m.y_low) out += line("<path class=\"bar\" d=\"M%.1f %.1fV%.1f\"/>", x, ay.place(m.y_low), ay.place(m.y_high));
+    out += printed("><circle class=\"hit\" cx=\"%.1f\" cy=\"%.1f\" r=\"12\"/>", x, y);
+    if (m.x_high > m.x_low) out += printed("<path class=\"bar\" d=\"M%.1f %.1fH%.1f\"/>", ax.place(m.x_low), y, ax.place(m.x_high));
+    if (m.y_high > m.y_low) out += printed("<path class=\"bar\" d=\"M%.1f %.1fV%.1f\"/>", x, ay.place(m.y_low), ay.place(m.y_high));
     out += shape(style, x, y);
-    if (m.ring) out += line("<circle class=\"ring\" cx=\"%.1f\" cy=\"%.1f\" r=\"11\"/>", x, y);
+    if (m.ring) out += printed("<circle class=\"ring\" cx=\"%.1f\" cy=\"%.1f\" r=\"11\"/>", x, y);
     return out + labels.place(m.label, x, y) + "</g>";
 }
 
 std::string series_svg(const Series& s, const Axis& x, const Axis& y, Labels& labels) {
-    std::string out = line("<g class=\"series s%d\">", s.style);
+    std::string out = printed("<g class=\"series s%d\">", s.style);
     if (s.line) {
         out += "<path class=\"line\" d=\"";
         for (std::size_t i = 0; i < s.marks.size(); ++i)
-            out += line("%c%.1f %.1f", i == 0 ? 'M' : 'L', x.place(s.marks[i].x), y.place(s.marks[i].y));
+            out += printed("%c%.1f %.1f", i == 0 ? 'M' : 'L', x.place(s.marks[i].x), y.place(s.marks[i].y));
         out += "\"/>";
     }
     for (const Mark& m : s.marks) out += mark_svg(m, s.style, x, y, labels);
@@ -144,8 +136,8 @@ std::string legend(const Chart& chart) {
     double y = kHeight + 4;
     for (const Series& s : chart.series) {
         if (s.marks.empty()) continue;
-        out += line("<g class=\"series s%d\">", s.style) + shape(s.style, kLeft + 8, y) +
-               line("<text x=\"%.1f\" y=\"%.1f\">", kLeft + 22, y + 4) + html_text(s.name) + "</text></g>";
+        out += printed("<g class=\"series s%d\">", s.style) + shape(s.style, kLeft + 8, y) +
+               printed("<text x=\"%.1f\" y=\"%.1f\">", kLeft + 22, y + 4) + html_text(s.name) + "</text></g>";
         y += kLegendRow;
     }
     return out;
@@ -197,7 +189,7 @@ std::string chart_svg(const Chart& chart) {
     y.from = kHeight - kBottom, y.to = kTop;
     std::string out = "<svg id=\"" + chart.id + "\" class=\"chart\" role=\"group\" aria-label=\"" + html_text(chart.title) +
                       "\" aria-describedby=\"" + chart.id + "-text\" " +
-                      line("viewBox=\"0 0 %.0f %.0f\">", kWidth, kHeight + kLegendRow * static_cast<double>(named));
+                      printed("viewBox=\"0 0 %.0f %.0f\">", kWidth, kHeight + kLegendRow * static_cast<double>(named));
     out += "<desc id=\"" + chart.id + "-text\">" + html_text(chart.description) + "</desc>";
     Labels beside;
     out += grid(chart, x, y) + levels(chart, x, y, beside);

@@ -1,11 +1,10 @@
 // tradeoff.html: one file, without anything from elsewhere. The frame, the style and the script are page.html, which the build
 // puts into the program; charts, tables and pictures are made here.
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <string_view>
 
+#include "format/tool/printed.h"
 #include "solver/scene/file_bytes.h"
 #include "solver/tradeoff/chart.h"
 #include "solver/tradeoff/error_picture.h"
@@ -18,13 +17,6 @@ namespace {
 constexpr std::uint64_t kMostPictureBytes = 1 << 24;
 constexpr int kRampSteps = 24;
 constexpr int kStyles = 8;  // of the page's style sheet
-
-template <class... Values>
-std::string line(const char* format, Values... values) {
-    std::array<char, 512> text;
-    std::snprintf(text.data(), text.size(), format, values...);
-    return text.data();
-}
 
 std::string base64(std::string_view bytes) {
     constexpr char kLetters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -40,7 +32,7 @@ std::string base64(std::string_view bytes) {
 }
 
 std::string seconds_text(const Timing& s) {
-    return s.low < s.high ? line("%.3g s (%.3g to %.3g)", s.median, s.low, s.high) : line("%.3g s", s.median);
+    return s.low < s.high ? printed("%.3g s (%.3g to %.3g)", s.median, s.low, s.high) : printed("%.3g s", s.median);
 }
 
 std::string picture_id(std::size_t point) {
@@ -50,12 +42,12 @@ std::string picture_id(std::size_t point) {
 /// What a mark says when it is pointed at.
 std::string mark_text(const Point& p) {
     const RunRecord& r = p.runs[0];
-    std::string text = name_of(p.trial) + line("\nerror %.3g", r.measured.error) + ", in " + seconds_text(p.seconds()) +
-                       line("\nits own estimate %.3g%s", r.estimated_error, r.converged ? "" : ", above what was asked") +
-                       line("\n%llu links, %llu rays, %zu run%s", static_cast<unsigned long long>(r.links.total()),
+    std::string text = name_of(p.trial) + printed("\nerror %.3g", r.measured.error) + ", in " + seconds_text(p.seconds()) +
+                       printed("\nits own estimate %.3g%s", r.estimated_error, r.converged ? "" : ", above what was asked") +
+                       printed("\n%llu links, %llu rays, %zu run%s", static_cast<unsigned long long>(r.links.total()),
                             static_cast<unsigned long long>(r.rays), p.runs.size(), p.runs.size() == 1 ? "" : "s");
     if (!r.measured.worst_instance.empty())
-        text += "\nworst: " + r.measured.worst_instance + line(", error %.3g", r.measured.worst_error);
+        text += "\nworst: " + r.measured.worst_instance + printed(", error %.3g", r.measured.worst_error);
     return p.knee ? text + "\nthe knee" : text;
 }
 
@@ -81,7 +73,7 @@ std::string methods_chart(const Tradeoff& t) {
         for (std::size_t i = 0; i < t.points.size(); ++i) {
             const Point& p = t.points[i];
             if (p.trial.method == method && p.trial.knob.empty() && has_mark(p))
-                series.marks.push_back(mark_of(p, line("%g", *p.trial.solve.accuracy), p.picture.empty() ? "" : picture_id(i)));
+                series.marks.push_back(mark_of(p, printed("%g", *p.trial.solve.accuracy), p.picture.empty() ? "" : picture_id(i)));
         }
         chart.series.push_back(std::move(series));
     }
@@ -110,10 +102,10 @@ std::string row(const Point& p, const std::string& name) {
     const Timing s = p.seconds();
     const MeasuredError& e = r.measured;
     std::string out = std::string(p.knee ? "<tr class=\"knee\">" : "<tr>") + "<td>" + html_text(name) + (p.knee ? ", the knee" : "") + "</td>";
-    out += line("<td>%.4f</td><td>%.4f</td><td>%.2f</td><td>%+.4f</td>", e.error, r.estimated_error,
+    out += printed("<td>%.4f</td><td>%.4f</td><td>%.2f</td><td>%+.4f</td>", e.error, r.estimated_error,
                 e.error > 0 ? r.estimated_error / e.error : 0.0, e.bias);
-    out += line("<td>%.3g</td><td>%.3g to %.3g</td><td>%zu</td>", s.median, s.low, s.high, p.runs.size());
-    return out + line("<td>%llu</td><td>%llu</td></tr>\n", static_cast<unsigned long long>(r.links.total()),
+    out += printed("<td>%.3g</td><td>%.3g to %.3g</td><td>%zu</td>", s.median, s.low, s.high, p.runs.size());
+    return out + printed("<td>%llu</td><td>%llu</td></tr>\n", static_cast<unsigned long long>(r.links.total()),
                       static_cast<unsigned long long>(r.rays));
 }
 
@@ -137,7 +129,7 @@ std::string table(const Tradeoff& t, bool knobs) {
 std::string knobs_part(const Tradeoff& t) {
     const std::string chart = knobs_chart(t);
     if (chart.empty()) return "";
-    return line("<h2>Each knob alone</h2>\n<p>The reusable method asked for %g, one setting changed at a time.</p>\n", t.knobs_at) + chart +
+    return printed("<h2>Each knob alone</h2>\n<p>The reusable method asked for %g, one setting changed at a time.</p>\n", t.knobs_at) + chart +
            "<div class=\"wide\">" + table(t, true) + "</div>\n";
 }
 
@@ -146,11 +138,11 @@ std::string colour_scale() {
     for (int k = 0; k <= kRampSteps; ++k) {
         const double share = double(k) / kRampSteps;
         const auto c = error_colour(kLeastShownError * std::pow(kMostShownError / kLeastShownError, share));
-        stops += line("%srgb(%d %d %d) %.1f%%", k > 0 ? ", " : "", int(c[0]), int(c[1]), int(c[2]), 100 * share);
+        stops += printed("%srgb(%d %d %d) %.1f%%", k > 0 ? ", " : "", int(c[0]), int(c[1]), int(c[2]), 100 * share);
     }
     return "<div class=\"ramp\" role=\"img\" aria-label=\"Scale of colours: dark is little error, light is much\" style=\"background: "
            "linear-gradient(to right, " + stops + ")\"></div><div class=\"ramp-text\"><span>" +
-           line("%g and less</span><span>%.2g</span><span>%g and more</span></div>\n", kLeastShownError,
+           printed("%g and less</span><span>%.2g</span><span>%g and more</span></div>\n", kLeastShownError,
                 std::sqrt(kLeastShownError * kMostShownError), kMostShownError);
 }
 
@@ -166,7 +158,7 @@ std::string pictures_part(const Tradeoff& t) {
         options += "<option value=\"" + id + "\">" + name + "</option>";
         figures += "<figure id=\"" + id + "\"><img alt=\"The scene in false colours: where the error of " + name +
                    " sits\" src=\"data:image/png;base64," + base64(*bytes) + "\"><figcaption>" + name +
-                   line(": error %.3g", p.runs[0].measured.error) + "</figcaption></figure>\n";
+                   printed(": error %.3g", p.runs[0].measured.error) + "</figcaption></figure>\n";
     }
     if (figures.empty()) return "";
     return "<h2>Where the error sits</h2>\n<p class=\"chosen\" hidden><label>Show <select id=\"choice\" data-first=\"" + first + "\">" +
@@ -188,21 +180,21 @@ std::string facts(const Tradeoff& t) {
     const auto fact = [](const char* name, const std::string& value) {
         return std::string("<dt>") + name + "</dt><dd>" + html_text(value) + "</dd>\n";
     };
-    return fact("scene", t.scene + line(": %zu triangles in %zu instances", t.triangles, t.instances)) +
-           fact("truth", t.truth_from + " (" + t.truth_note + line("), standard error %.3g", t.truth_error)) +
-           fact("runs", line("%d of each point", t.options.repeats)) + fact("program", m.program + ", built by " + m.compiler) +
-           fact("processor", m.processor + line(", %u cores, %u threads used", m.cores, m.threads)) +
-           fact("memory", line("%.1f GB", double(m.memory) / 1e9)) + fact("system", m.system) +
-           fact("other work", line("a load of %.2f in the minute before", m.load));
+    return fact("scene", t.scene + printed(": %zu triangles in %zu instances", t.triangles, t.instances)) +
+           fact("truth", t.truth_from + " (" + t.truth_note + printed("), standard error %.3g", t.truth_error)) +
+           fact("runs", printed("%d of each point", t.options.repeats)) + fact("program", m.program + ", built by " + m.compiler) +
+           fact("processor", m.processor + printed(", %u cores, %u threads used", m.cores, m.threads)) +
+           fact("memory", printed("%.1f GB", double(m.memory) / 1e9)) + fact("system", m.system) +
+           fact("other work", printed("a load of %.2f in the minute before", m.load));
 }
 
 std::string summary(const Tradeoff& t) {
     for (const Point& p : t.points)
         if (p.knee && p.trial.method == Method::Reusable)
-            return line("The knee of the reusable method: asked for %g it errs by %.3g and takes ", *p.trial.solve.accuracy,
+            return printed("The knee of the reusable method: asked for %g it errs by %.3g and takes ", *p.trial.solve.accuracy,
                         p.runs[0].measured.error) +
-                   seconds_text(p.seconds()) + line(". The scene has %zu triangles in %zu instances.", t.triangles, t.instances);
-    return line("A scene of %zu triangles in %zu instances.", t.triangles, t.instances);
+                   seconds_text(p.seconds()) + printed(". The scene has %zu triangles in %zu instances.", t.triangles, t.instances);
+    return printed("A scene of %zu triangles in %zu instances.", t.triangles, t.instances);
 }
 
 }  // namespace

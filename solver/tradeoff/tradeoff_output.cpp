@@ -1,12 +1,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <nlohmann/json.hpp>
 
 #include "format/atomic_file.h"
 #include "format/tool/interrupt.h"
+#include "format/tool/printed.h"
 #include "solver/output/csv_field.h"
 #include "solver/tradeoff/tradeoff.h"
 
@@ -15,15 +15,8 @@ namespace {
 
 using nlohmann::json;
 
-template <class... Values>
-std::string line(const char* format, Values... values) {
-    std::array<char, 512> text;
-    std::snprintf(text.data(), text.size(), format, values...);
-    return text.data();
-}
-
 std::string number(double value) {
-    return line("%.6g", value);
+    return printed("%.6g", value);
 }
 
 /// Medians of the phases over the runs.
@@ -120,16 +113,16 @@ std::string tradeoff_csv(const Tradeoff& t) {
 }
 
 std::string tradeoff_text(const Tradeoff& t) {
-    std::string text = t.scene + line(": %zu triangles, %zu instances; truth: ", t.triangles, t.instances) + t.truth_from +
-                       line(", standard error %.3g\n\n", t.truth_error);
-    text += line("%-46s %8s %8s %9s %9s %9s %5s  %s\n", "", "error", "estimate", "seconds", "fastest", "slowest", "runs", "");
+    std::string text = t.scene + printed(": %zu triangles, %zu instances; truth: ", t.triangles, t.instances) + t.truth_from +
+                       printed(", standard error %.3g\n\n", t.truth_error);
+    text += printed("%-46s %8s %8s %9s %9s %9s %5s  %s\n", "", "error", "estimate", "seconds", "fastest", "slowest", "runs", "");
     for (const Point& p : t.points) {
         if (p.runs.empty()) {
-            text += line("%-46s ", name_of(p.trial).c_str()) + "not run: " + p.not_run + "\n";
+            text += printed("%-46s ", name_of(p.trial).c_str()) + "not run: " + p.not_run + "\n";
             continue;
         }
         const Timing s = p.seconds();
-        text += line("%-46s %8.4f %8.4f %9.3f %9.3f %9.3f %5zu  %s\n", name_of(p.trial).c_str(), p.runs[0].measured.error,
+        text += printed("%-46s %8.4f %8.4f %9.3f %9.3f %9.3f %5zu  %s\n", name_of(p.trial).c_str(), p.runs[0].measured.error,
                      p.runs[0].estimated_error, s.median, s.low, s.high, p.runs.size(), p.knee ? "knee" : "");
     }
     for (const NotSwept& n : t.not_swept) text += "not swept: " + n.what + ": " + n.why + "\n";

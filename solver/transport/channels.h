@@ -4,7 +4,16 @@
 #include <array>
 #include <cstddef>
 
+#include "format/geometry.h"
+
 namespace rro {
+
+/// A channel of a colour, for fields of C channels: grey scenes have one, and carry equal components.
+template <int C>
+float component(const Rgb& rgb, std::size_t channel) {
+    static_assert(C == 1 || C == 3);
+    return channel == 0 ? rgb.x : channel == 1 ? rgb.y : rgb.z;
+}
 
 /// The mean of C channels. Where all are alike it is their very value, so that a grey scene has the same bits in one
 /// channel and in three; a sum divided by three would not.

@@ -375,16 +375,7 @@ void DirectionBins<C>::splat(std::uint32_t id, EndMode mode, const Vec3& u, doub
     Face& face = state.face[static_cast<std::size_t>(mode)];
     const std::uint32_t r = row(mode, node);
     face.arrived[r] = 1;
-    float* plane = &face.incoming[r * kIncoming * state.stride];
-    const float strength = mean_of(h);
-    const std::array<float, 4> shared{static_cast<float>(u.x) * strength, static_cast<float>(u.y) * strength,
-                                      static_cast<float>(u.z) * strength,
-                                      static_cast<float>(inverse_distance) * strength};
-    for (std::size_t t = 0; t < 4; ++t) {
-        float* at = plane + taps.node[t];
-        for (std::size_t c = 0; c < C; ++c) at[c * state.stride] += taps.weight[t] * h[c];
-        for (std::size_t s = 0; s < 4; ++s) at[(C + s) * state.stride] += taps.weight[t] * shared[s];
-    }
+    splat_into(&face.incoming[r * kIncoming * state.stride], state.stride, taps, u, inverse_distance, h);
 }
 
 template <int C>

@@ -1,7 +1,7 @@
 // The multipole chain: patches -> outgoing intensity per direction -> (links) -> light per direction -> sub-clusters ->
 // patches. Directions are the nodes of the archive's grid, in the instance's own frame; quantities are world quantities.
 //
-// Every Bins node has two faces to the world (design: which table holds):
+// Every Bins node has two faces to the world, each with a table of its own:
 //   outside  other end beyond the instance's bounds: patches count with their stored visibility, which holds the
 //            occlusion by the whole object
 //   inside   other end may be within: patches count with their plain cosine, scaled by the cluster's intrinsic area
@@ -12,6 +12,8 @@
 #include <memory>
 #include <vector>
 
+#include "format/direction_grid.h"
+#include "solver/transport/channels.h"
 #include "solver/transport/nodes.h"
 
 namespace rro {
@@ -29,6 +31,21 @@ struct Arrival {
 /// Takes light with this sum of strength times direction and of strength over distance to the place at `offset` from the
 /// bins' centre.
 Arrival translated(const Vec3& sum, double strength, double over_distance, const Vec3& offset);
+
+/// Adds perpendicular irradiance H from direction u to planes of incoming light, H[C], Hu[3], H/d[1], `stride` apart.
+template <std::size_t C>
+void splat_into(float* planes, std::size_t stride, const DirectionTaps& taps, const Vec3& u, double inverse_distance,
+                const std::array<float, C>& h) {
+    const float strength = mean_of(h);
+    const std::array<float, 4> shared{static_cast<float>(u.x) * strength, static_cast<float>(u.y) * strength,
+                                      static_cast<float>(u.z) * strength,
+                                      static_cast<float>(inverse_distance) * strength};
+    for (std::size_t t = 0; t < 4; ++t) {
+        float* at = planes + taps.node[t];
+        for (std::size_t c = 0; c < C; ++c) at[c * stride] += taps.weight[t] * h[c];
+        for (std::size_t s = 0; s < 4; ++s) at[(C + s) * stride] += taps.weight[t] * shared[s];
+    }
+}
 
 /// Tables of one object that all its instances share. Immutable.
 struct ObjectTables {

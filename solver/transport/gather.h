@@ -5,9 +5,8 @@
 #include <vector>
 
 #include "solver/scene/built_in.h"
-#include "solver/transport/direction_bins.h"
-#include "solver/transport/group_bins.h"
-#include "solver/transport/link.h"
+#include "solver/transport/passage.h"
+#include "solver/transport/push_down.h"
 
 namespace rro {
 
@@ -16,6 +15,8 @@ template <int C>
 class LightField {
   public:
     LightField(const Nodes& nodes, const EndAreas& areas);
+    LightField(const LightField&) = delete;  // its parts refer to each other
+    LightField& operator=(const LightField&) = delete;
 
     /// What surfaces send, by what they receive and their materials as they are now.
     void relight();
@@ -89,9 +90,7 @@ class LightField {
     /// Area-weighted root mean square of R = B - M over leaf surfaces and channels.
     double reflected_norm() const;
 
-    void fill(Guide& guide) const;
-
-    /// The same of sources alone: what begin() starts from.
+    /// Fills a guide (fill_guide.h) with the light of sources alone, which begin() starts from.
     void fill_sources(Guide& guide);
 
     const std::vector<float>& radiosity() const { return radiosity_; }    // [nodes * C]
@@ -102,64 +101,14 @@ class LightField {
     float exitance(std::uint32_t surface, std::size_t channel) const;
 
   private:
-    struct ScalarLink {  // between surfaces or from a flat node to a surface: E += gain * B
-        std::uint32_t source;
-        float gain;
-    };
-    struct DirectedLink {
-        std::uint32_t source;
-        float gain;
-        Vec3f u;                 // unit, world, towards the source
-        Vec3f slope;             // Flat receivers: change of irradiance over position, per light received, 1/m
-        float inverse_distance;
-        EndMode source_mode, receiver_mode;
-    };
-    /// Where the half links of one receiver lie.
-    struct Row {
-        std::uint32_t first = 0, last = 0;
-    };
-    /// Light on its way over the links. It stays from sweep to sweep, so that only what has changed passes again.
-    struct Passage {
-        Passage(const Nodes& nodes, const EndAreas& areas) : bins(nodes, areas), groups(nodes, areas) {}
-
-        DirectionBins<C> bins;
-        GroupBins<C> groups;
-        std::vector<float> sent;            // [nodes * C] radiosity as receivers have it
-        std::vector<float> received;        // [nodes * C] irradiance over a node's own links
-        std::vector<float> vectors;         // [flat slots * 6 * C] the same as irradiance vectors, then gradients of irradiance
-        std::vector<float> from_bins;       // [nodes * C] what faces receive through bins
-        std::vector<std::uint8_t> changed;  // [nodes] sends otherwise than it did
-        std::vector<std::uint8_t> stale;    // [nodes] has other links than before, or receives otherwise than before
-        bool whole = true;                  // nothing of this is known
-    };
-    enum class Push { Light, BoundRows };
     template <class F>
     void for_each_passage(const F& f) {
         f(light_);
         if (unit_) f(*unit_);
     }
-    /// Half of a link: where it belongs in the receiver's row.
-    struct Half {
-        const Link* link;
-        std::uint32_t at;
-        bool at_a, scalar;
-    };
-    void add_rows(const std::vector<Link>& links, const std::vector<std::uint8_t>& wanted);
-    void set_half(const Half& half);
-    std::array<float, C> source_value(const Passage& p, const DirectedLink& link) const;
-    using Tint = std::array<float, C>;
+    void add_links(const std::vector<Link>& links, const std::vector<std::uint8_t>& wanted);
     void transport(Push what = Push::Light);  // radiosity_ -> irradiance_ of leaves
-    void grow(Passage& p) const;
-    void send(Passage& p, double tolerance);
     double find_unsent() const;
-    bool receives_anew(const Passage& p, std::uint32_t node) const;
-    template <bool Tinted>
-    void gather_surfaces(Passage& p);
-    template <bool Tinted>
-    void gather_bins(Passage& p);
-    void push_instance(std::uint32_t i, Push what, const Passage& p);
-    void gather_rows(const InstanceNodes& in);  // before share_out(): of all elements of an instance
-    void share_out(std::uint32_t parent);  // under unit radiosity: sets the scales of a surface's elements
     void reflect_instance(std::uint32_t i);  // leaves' irradiance -> radiosity of all nodes
     void pull_instance(std::uint32_t i);
     void pull_groups();  // after all instances
@@ -171,12 +120,13 @@ class LightField {
     float sources(std::uint32_t surface, std::size_t channel) const;
     bool lit_from_outside() const { return kOutsideLight && !outside_.empty(); }
     bool transmits(std::uint32_t i) const { return built_in("transmission") && !other_side_[i].empty(); }
-    bool tinted() const { return built_in("medium") && C > 1 && tint_; }
 
     const Nodes& nodes_;
     const EndAreas& areas_;
-    Passage light_;
-    std::optional<Passage> unit_;                    // with unit radiosity everywhere: where edits follow
+    HalfLinks<C> links_;
+    Passage<C> light_;
+    std::optional<Passage<C>> unit_;                 // with unit radiosity everywhere: where edits follow
+    PushDown<C> push_down_;
     double unsent_part_ = 0, tolerance_ = 0;         // relative, and in W/m^2
     double unsent_ = 0;                              // W/m^2
     bool push_all_ = true;                           // irradiance_ is not what the last sweep made of it
@@ -186,16 +136,7 @@ class LightField {
     std::vector<Rgb> outside_;                       // [nodes] leaves' irradiance from sky, sun and lamps, or empty
     std::vector<std::vector<std::uint32_t>> other_side_;  // [instances][faces] node of the other side; empty: nothing passes
     std::vector<float> before_;                      // [nodes * C] irradiance of the last sweep
-    std::vector<float> inherited_;                   // [nodes * C] what faces receive through nodes above them
-    std::vector<float> inherited_scale_;             // [nodes] surfaces; empty: all 1
     std::vector<float> row_scale_;                   // [nodes], leaves of closed scenes; else empty
-    std::vector<float> vectors_;                     // [flat slots * 6 * C] as in Passage, of nodes above, too
-    std::vector<Row> scalar_row_, directed_row_;     // [nodes]
-    std::size_t half_links_ = 0;                     // that rows refer to; scalar_ and directed_ hold old ones, too
-    std::vector<ScalarLink> scalar_;
-    std::vector<DirectedLink> directed_;
-    std::optional<Vec3> tint_;  // 1/m: what a medium absorbs per channel beyond the channel of least; none where all are alike
-    std::vector<Tint> scalar_tint_, directed_tint_;  // [links] what it leaves of that; empty without
 };
 
 /// One closed shell that faces inwards and nothing else: light leaves nowhere. (With other objects inside, refinement

@@ -108,16 +108,7 @@ template <int C>
 void GroupBins<C>::splat(std::uint32_t group, const Vec3& u, double inverse_distance, const std::array<float, C>& h) {
     const DirectionTaps taps = grid_.taps(u);
     const std::size_t d = grid_.size();
-    float* plane = &incoming_[group * kIncoming * d];
-    const float strength = mean_of(h);
-    const std::array<float, 4> shared{static_cast<float>(u.x) * strength, static_cast<float>(u.y) * strength,
-                                      static_cast<float>(u.z) * strength,
-                                      static_cast<float>(inverse_distance) * strength};
-    for (std::size_t t = 0; t < 4; ++t) {
-        float* at = plane + taps.node[t];
-        for (std::size_t c = 0; c < C; ++c) at[c * d] += taps.weight[t] * h[c];
-        for (std::size_t s = 0; s < 4; ++s) at[(C + s) * d] += taps.weight[t] * shared[s];
-    }
+    splat_into(&incoming_[group * kIncoming * d], d, taps, u, inverse_distance, h);
 }
 
 template <int C>

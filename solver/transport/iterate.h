@@ -15,6 +15,8 @@ struct Residual {
     double relative = 0;  // ||r|| / ((1 - q) ||R||), q the ratio of the last two sweeps' ||r||
 };
 
+inline constexpr int kMostSweeps = 1000;  // where nothing else limits them
+
 /// Sweeps until the remaining error is below `goal` of R.
 template <int C>
 Residual iterate(LightField<C>& field, double goal, double largest_reflectance, int most);

@@ -179,10 +179,7 @@ void Nodes::sum_children(std::uint32_t id) {
         node.centre += n.centre * n.area;
         node.box.add(n.box);
     };
-    if (node.second_child != 0)
-        add(node.first_child), add(node.second_child);
-    else
-        for (std::uint32_t k = 0; k < node.child_count; ++k) add(node.first_child + k);
+    node.for_each_child(add);
     node.centre = node.area > 0 ? node.centre / node.area : node.box.centre();
 }
 
@@ -340,17 +337,10 @@ std::array<std::uint32_t, 2> Nodes::faces(const Node& node) const {
 
 void Nodes::children(std::uint32_t id, std::vector<std::uint32_t>& out) const {
     out.clear();
-    const Node& node = nodes_[id];
-    const auto push = [&](std::uint32_t child) {
+    nodes_[id].for_each_child([&](std::uint32_t child) {
         const Node& n = nodes_[child];
         out.push_back(n.kind != NodeKind::Surface && n.child_count == 1 ? n.first_child : child);
-    };
-    if (node.second_child != 0) {
-        push(node.first_child);
-        push(node.second_child);
-    } else {
-        for (std::uint32_t k = 0; k < node.child_count; ++k) push(node.first_child + k);
-    }
+    });
 }
 
 void Nodes::subdivide(std::uint32_t surface) {

@@ -56,6 +56,16 @@ struct Node {
     /// Can light be told to arrive at it, or to leave it, as a whole? Not where the normals of a patch add up to nothing.
     bool may_end() const { return kind != NodeKind::Cluster && (kind != NodeKind::Flat || cone_cosine > -1); }
     bool group() const { return instance == kNoNode; }
+
+    template <class F>
+    void for_each_child(const F& f) const {
+        if (second_child != 0) {
+            f(first_child);
+            f(second_child);
+        } else {
+            for (std::uint32_t k = 0; k < child_count; ++k) f(first_child + k);
+        }
+    }
 };
 
 /// Where an instance's nodes lie.

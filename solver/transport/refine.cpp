@@ -1,8 +1,8 @@
 #include "solver/transport/refine.h"
 
-#include <chrono>
 #include <span>
 
+#include "format/clock.h"
 #include "format/parallel.h"
 #include "solver/transport/ticks.h"
 
@@ -15,6 +15,11 @@ constexpr std::size_t kGrain = 64;
 
 // A link is judged anew when its combined error exceeds its share clearly: judging accepts each term by itself.
 constexpr double kOutgrown = 2.0;
+
+// An instance by itself may be this many times worse than the scene, unless it holds less than this share of the reflected
+// power: then it does not count by itself (solver/accuracy.md).
+constexpr double kWorstInstance = 3;
+constexpr double kCountingShare = 1e-3;
 
 /// The stored pairs below a stored pair, in the order in which a division makes them.
 class StoredChildren {
@@ -72,13 +77,13 @@ class Refiner {
             batch_.assign(stack_.end() - static_cast<std::ptrdiff_t>(count), stack_.end());
             stack_.resize(stack_.size() - count);
             verdicts_.assign(count, {});
-            const auto start = std::chrono::steady_clock::now();
+            const auto start = Clock::now();
             parallel_for(count, kGrain, [&](std::size_t k) {
                 const std::uint64_t begun = ticks();
                 verdicts_[k] = builder_.judge(batch_[k], guide_);
                 verdicts_[k].ticks = ticks() - begun;
             });
-            account(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+            account(seconds_since(start));
             for (std::size_t k = 0; k < count; ++k) take(batch_[k], verdicts_[k]);
         }
     }
@@ -288,6 +293,23 @@ ErrorEstimate estimate_error(const LinkSet& set, const Nodes& nodes, double grow
     }
     e.whole = guide.reflected > 0 ? std::sqrt(sum / guide.reflected) : 0;
     return e;
+}
+
+bool lower_shares(const ErrorEstimate& estimate, double allowed, Guide& guide) {
+    bool good = true;
+    for (std::size_t i = 0; i < guide.share.size(); ++i) {
+        // Errors add up by their squares, to which a few bright spots may bring nearly everything; but what most of the
+        // light comes from is what is looked at, and so is held to the accuracy asked, too.
+        const bool counts = estimate.power_share[i] > kCountingShare;
+        const double worse = std::min(kWorstInstance, 1 / std::sqrt(std::max(estimate.power_share[i], 1e-300)));
+        const double over = std::min(allowed / std::max(estimate.whole, 1e-300),
+                                     counts ? worse * allowed / std::max(estimate.of_instance[i], 1e-300) : 1.0);
+        if (over >= 1) continue;
+        good = false;
+        guide.share[i] *= std::clamp(0.7 * over * over * over, 1.0 / 30, 0.7);
+        guide.scene_share = std::min(guide.scene_share, guide.share[i]);
+    }
+    return good;
 }
 
 }  // namespace rro

@@ -51,7 +51,7 @@ void grow(Guide& guide, const Nodes& nodes);
 /// on the number of threads.
 void refine(LinkSet& set, Nodes& nodes, Guide& guide, const LinkBuilder& builder);
 
-/// Relative errors of R (contract: accuracy): of the scene, and of each instance by itself.
+/// Relative errors of R, as solver/accuracy.md counts them: of the scene, and of each instance by itself.
 struct ErrorEstimate {
     double whole = 0;
     std::vector<double> of_instance;
@@ -65,5 +65,9 @@ struct ErrorEstimate {
 /// outside  [nodes] standard deviation of the light from sky, sun and lamps, W/m^2; empty where there is none
 ErrorEstimate estimate_error(const LinkSet& set, const Nodes& nodes, double growth, std::span<const float> outside,
                              Guide& guide);
+
+/// Lowers the guide's shares of links where errors are larger than allowed, relative. Returns whether they are small enough
+/// everywhere.
+bool lower_shares(const ErrorEstimate& estimate, double allowed, Guide& guide);
 
 }  // namespace rro

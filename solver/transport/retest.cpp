@@ -272,6 +272,41 @@ void renumber(LinkSet& set, const std::vector<std::uint32_t>& map) {
     for (Pair& p : set.pending) renumber(p.a), renumber(p.b);
 }
 
+Touched touched_by(const SceneChange& change, const Scene& before, const Nodes& nodes, std::span<const std::uint32_t> renewed) {
+    Touched touched{change.moved, std::vector<std::uint8_t>(nodes.group_count(), !renewed.empty()), {}};
+    for (const std::uint32_t g : renewed)
+        if (g != kNoNode) touched.group[g] = 0;
+    for (std::uint32_t g = nodes.group_count(); g-- > 0;)
+        for (const std::uint32_t child : {nodes[g].first_child, nodes[g].second_child})
+            touched.group[g] |= nodes[child].group() ? touched.group[child] : touched.instance[nodes[child].instance];
+    for (std::uint32_t i = 0; i < change.moved.size(); ++i) {
+        if (!change.moved[i]) continue;
+        touched.blockers.push_back(&nodes.scene().instances[i]);
+        if (change.before[i] != SceneChange::kPlaced) touched.blockers.push_back(&before.instances[change.before[i]]);
+    }
+    for (const std::uint32_t i : change.deleted) touched.blockers.push_back(&before.instances[i]);
+    return touched;
+}
+
+void carry(Guide& guide, Schedule& schedule, const std::vector<std::uint32_t>& map, const SceneChange& change, const Nodes& nodes) {
+    std::vector<float> error(nodes.size(), 0.0f);
+    for (std::size_t n = 0; n < map.size(); ++n)
+        if (map[n] != kNoNode) error[map[n]] = guide.error[n];
+    guide.error = std::move(error);
+    const std::vector<Instance>& instances = nodes.scene().instances;
+    for (Shares& round : schedule.rounds) {
+        const std::vector<double> before = std::exchange(round.of_instance, {});
+        for (std::size_t i = 0; i < instances.size(); ++i) {
+            std::size_t like = i;
+            for (std::size_t k = 0; k < instances.size() && change.before[like] == SceneChange::kPlaced; ++k)
+                if (instances[k].object == instances[i].object && change.before[k] != SceneChange::kPlaced) like = k;
+            const std::uint32_t number = change.before[like];
+            round.of_instance.push_back(number != SceneChange::kPlaced ? before[number]
+                                                                      : *std::max_element(before.begin(), before.end()));
+        }
+    }
+}
+
 void retest(LinkSet& set, Nodes& nodes, const LinkBuilder& builder, Schedule& schedule, Guide& guide, const Touched& touched) {
     Retest(set, nodes, builder, schedule, guide, touched).run();
 }

@@ -1,25 +1,20 @@
 #include "solver/transport/reusable_solver.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <map>
+#include <span>
 #include <utility>
 
-#include "solver/transport/group_light.h"
-#include "solver/transport/iterate.h"
+#include "format/clock.h"
+#include "solver/transport/dimming.h"
+#include "solver/transport/fill_guide.h"
 #include "solver/transport/retest.h"
 #include "solver/transport/stage.h"
 
 namespace rro {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
-
 constexpr int kMostRounds = 9;
-constexpr int kMostSweeps = 1000;
 // Divisions of one face at the edges of shadows from sky, sun and lamps, before any link is made.
 constexpr int kShadowLevels = 6;
 // Light that only steers refinement may be this part of the accuracy away from converged.
@@ -29,13 +24,7 @@ constexpr int kDirectRounds = 1;
 // How much of the squared error one link may bring at first; later rounds learn it from the estimate.
 constexpr double kFirstShare = 1.0 / 1000;
 constexpr double kCoarseAccuracy = 0.3;
-// An instance by itself may be this many times worse than the scene.
-constexpr double kWorstInstance = 3;
-constexpr int kInstanceRounds = 1;  // for them alone
-// Instances below this share of the reflected power do not count by themselves (contract: accuracy).
-constexpr double kCountingShare = 1e-3;
-// Light that is to be added up may be this part of the accuracy away from converged.
-constexpr double kSummed = 0.01;
+constexpr int kInstanceRounds = 1;  // for single instances that err too much, while the scene does not
 // Where edits have moved more than this part of the surface, or links have become more than this many times those of the
 // last solve from scratch, there is nothing left to be saved.
 constexpr double kMostMoved = 0.5, kMostGrowth = 1.5;
@@ -98,7 +87,7 @@ class Engine : public ReusableSolver::State {
         find_outside(true, solution, progress);
         if (stage_->outside->any()) stage_->field.begin();
         guide_.error.assign(stage_->nodes.size(), 0.0f);
-        stage_->field.fill(guide_);
+        fill_guide(stage_->nodes, stage_->field, guide_);
         guide_.reflected = reflected_at_first();
         if (set_->tree) schedule_.first = guide_;
         settle(0, Links::None, solution, progress);
@@ -128,9 +117,8 @@ class Engine : public ReusableSolver::State {
             follow_materials(std::move(scene), change, solution, progress);
             return solution;
         }
-        catch_up(*stage_->scene);
-        dimmer_ = {};
-        groups_.clear();
+        dimming_.catch_up(*stage_, *stage_->scene);
+        dimming_.forget();
         if (stays_in_place(*scene, change)) {
             const std::shared_ptr<const Scene> before = stage_->scene;
             stage_->move(std::move(scene), plan, options, change.moved);
@@ -141,7 +129,7 @@ class Engine : public ReusableSolver::State {
             guide_.share = schedule_.rounds.back().of_instance;
             guide_.scene_share = schedule_.rounds.back().of_scene;
             solution.seconds.links += seconds_since(start);
-            judge_again(touched_by(change, *before, 0), solution);
+            judge_again(touched_by(change, *before, stage_->nodes), solution);
             settle(kDirectRounds, Links::Ready, solution, progress);
             return solution;
         }
@@ -155,12 +143,15 @@ class Engine : public ReusableSolver::State {
         nodes_at_first_ = stage_->nodes.size();
         renumber(*set_, stage_->map);
         sources_ = sources_of(stage_->nodes, stage_->field);
-        carry_guide(change);
+        carry(guide_, schedule_, stage_->map, change, stage_->nodes);
         if (same_outside && before->outside->any()) stage_->outside->take_over(*before->outside, stage_->map);
         solution.seconds.links += seconds_since(start);
         find_outside(!same_outside, solution, progress);
         begin_guides();
-        if (change.places()) judge_again(touched_by(change, *before->scene, before->nodes.group_count()), solution);
+        if (change.places()) {
+            const auto renewed = std::span(stage_->map).first(before->nodes.group_count());
+            judge_again(touched_by(change, *before->scene, stage_->nodes, renewed), solution);
+        }
         const bool placed = std::find(change.before.begin(), change.before.end(), SceneChange::kPlaced) != change.before.end();
         settle(kDirectRounds, placed ? Links::Retested : Links::Ready, solution, progress);
         return solution;
@@ -204,155 +195,31 @@ class Engine : public ReusableSolver::State {
         solution.seconds.outside = seconds_since(start);
     }
 
-    /// What is known of instances that stay; those placed start as others of their object did.
-    void carry_guide(const SceneChange& change) {
-        std::vector<float> error(stage_->nodes.size(), 0.0f);
-        for (std::size_t n = 0; n < stage_->map.size(); ++n)
-            if (stage_->map[n] != kNoNode) error[stage_->map[n]] = guide_.error[n];
-        guide_.error = std::move(error);
-        const std::vector<Instance>& instances = stage_->scene->instances;
-        for (Shares& round : schedule_.rounds) {
-            const std::vector<double> before = std::exchange(round.of_instance, {});
-            for (std::size_t i = 0; i < instances.size(); ++i) {
-                std::size_t like = i;
-                for (std::size_t k = 0; k < instances.size() && change.before[like] == SceneChange::kPlaced; ++k)
-                    if (instances[k].object == instances[i].object && change.before[k] != SceneChange::kPlaced) like = k;
-                const std::uint32_t number = change.before[like];
-                round.of_instance.push_back(number != SceneChange::kPlaced ? before[number]
-                                                                          : *std::max_element(before.begin(), before.end()));
-            }
-        }
-    }
-
     /// No link changes. Where whole light groups are dimmed, not even a sweep is needed; where it is one that has been dimmed
     /// before, nothing but a sum.
     void follow_materials(std::shared_ptr<const Scene> scene, const SceneChange& change, Solution& solution, const Progress& progress) {
         auto start = Clock::now();
-        before_ = std::exchange(stage_->scene, std::move(scene));
-        const std::vector<std::uint32_t> changed = changed_groups(*before_, *stage_->scene);
+        const std::shared_ptr<const Scene> before = std::exchange(stage_->scene, std::move(scene));
+        const std::vector<std::uint32_t> changed = changed_groups(*before, *stage_->scene);
         sources_changed_ = true;
         const bool sums = !change.reflectance && plan.on("interreflection");
-        if (sums && changed.size() == 1 && changed[0] == dimmer_.group && dim_again(solution)) {
+        if (sums && dimming_.again(*stage_->scene, changed, sources_.area, kSettled * options.accuracy, options.accuracy, solution)) {
             stage_->nodes.set_materials(*stage_->scene);
-            before_.reset();
             solution.seconds.iterate += seconds_since(start);
             return;
         }
-        catch_up(*before_);
-        const bool dimmed = sums && dim(*before_, changed);
+        dimming_.catch_up(*stage_, *before);
+        const bool dimmed =
+            sums && dimming_.dim({*stage_, *set_, guide_, sources_, options.accuracy, closed(), residual_}, before, changed);
         stage_->nodes.set_materials(*stage_->scene);
-        if (!dimmed) groups_.clear(), dimmer_ = {};
-        before_.reset();
+        if (!dimmed) dimming_.forget();
         sources_ = sources_of(stage_->nodes, stage_->field);
         stage_->field.relight();
         solution.seconds.iterate += seconds_since(start);
         guide_.share = schedule_.rounds.back().of_instance;
         guide_.scene_share = schedule_.rounds.back().of_scene;
         settle(kDirectRounds, dimmed ? Links::Lit : Links::Swept, solution, progress);
-        if (dimmed) remember_dimmer(changed, solution);
-    }
-
-    /// One group, dimmed more than once while all else stays.
-    struct Dimmer {
-        std::uint32_t group = LightField<C>::kAllGroups;
-        SquareByLevel error, light;  // of all light together, sum of A R^2, W^2/m^2
-        double level = 0;            // of `base` and of the light field
-        double now = 0;              // of the solution last given
-        Solution base;
-    };
-
-    void remember_dimmer(const std::vector<std::uint32_t>& changed, const Solution& solution) {
-        const auto found = groups_.find(changed[0]);
-        if (changed.size() != 1 || found == groups_.end()) {
-            dimmer_ = {};
-            return;
-        }
-        if (dimmer_.group != changed[0])
-            dimmer_ = {changed[0], SquareByLevel(found->second.error_square), SquareByLevel(found->second.light_square), 0, 0, {}};
-        dimmer_.level = dimmer_.now = level_of_group(*stage_->scene, changed[0], *found->second.lit_in).value_or(0);
-        dimmer_.base = solution;
-        dimmer_.base.seconds = {};
-        dimmer_.error.add(dimmer_.level, std::pow(error_, 2) * guide_.reflected);
-        dimmer_.light.add(dimmer_.level, guide_.reflected);
-    }
-
-    /// The sum alone; false, and nothing done, where its error is not known or too large for these links.
-    bool dim_again(Solution& solution) {
-        const GroupLight& group = groups_.at(dimmer_.group);
-        const auto level = level_of_group(*stage_->scene, dimmer_.group, *group.lit_in);
-        if (!level) return false;
-        const auto error = dimmer_.error.at(*level), light = dimmer_.light.at(*level);
-        if (!error || !light || std::sqrt(*error) > kSettled * options.accuracy * std::sqrt(*light)) return false;
-        const double more = *level - dimmer_.level;
-        solution = sum_of_light(dimmer_.base, group.solution, more);
-        const double norm = std::sqrt(*light / sources_.area);
-        const double left = dimmer_.base.residual * std::sqrt(*dimmer_.light.at(dimmer_.level) / sources_.area) + std::abs(more) * group.residual;
-        solution.residual = norm > 0 ? left / norm : 0;
-        solution.estimated_error = std::hypot(*light > 0 ? std::sqrt(*error / *light) : 0, solution.residual);
-        solution.converged = solution.estimated_error <= options.accuracy;
-        solution.iterations = 0;
-        dimmer_.now = *level;
-        return true;
-    }
-
-    /// Gives the light field what sums have been told since.
-    void catch_up(const Scene& scene) {
-        if (dimmer_.now == dimmer_.level) return;
-        stage_->nodes.set_materials(scene);
-        stage_->field.add(groups_.at(dimmer_.group).irradiance, dimmer_.now - dimmer_.level);
-        stage_->field.relight();
-        dimmer_ = {};
-    }
-
-    /// Adds or takes away light of groups that are dimmed as a whole; false, and nothing done, where more than that differs.
-    bool dim(const Scene& before, const std::vector<std::uint32_t>& groups) {
-        LightField<C>& field = stage_->field;
-        std::vector<std::pair<std::uint32_t, double>> changes;
-        for (const std::uint32_t group : groups) {
-            const auto level = [&](const Scene& scene) { return level_of_group(scene, group, *groups_[group].lit_in); };
-            const bool known = groups_.count(group) > 0 && level(before) && level(*stage_->scene);
-            if (!known) groups_[group] = light_of_group(group), dimmer_ = {};
-            const auto then = level(before), now = level(*stage_->scene);
-            if (!then || !now) return false;
-            changes.emplace_back(group, *now - *then);
-        }
-        // What the iterations left undone stays when the light goes.
-        double left = residual_.relative * field.reflected_norm();
-        for (const auto& [group, more] : changes) {
-            field.add(groups_[group].irradiance, more);
-            left += std::abs(more) * groups_[group].residual;
-        }
-        const double norm = field.reflected_norm();
-        residual_.relative = norm > 0 ? left / norm : 0;
-        return !changes.empty();
-    }
-
-    /// Solves for one group by itself, over the links there are: in the scene before a change if it shines there. Both this
-    /// and the light of the whole are iterated far enough for sums of them.
-    GroupLight light_of_group(std::uint32_t group) {
-        LightField<C>& field = stage_->field;
-        const double goal = kSummed * options.accuracy;
-        stage_->nodes.set_materials(*before_);
-        if (residual_.relative > goal) residual_ = iterate(field, goal, sources_.largest_reflectance, kMostSweeps);
-        const std::vector<float> all = field.irradiance();
-        GroupLight light;
-        light.lit_in = shines(*before_, group) ? before_ : stage_->scene;
-        stage_->nodes.set_materials(*light.lit_in);
-        field.emit_only(group);
-        field.extinguish();
-        const Residual left = iterate(field, goal, sources_.largest_reflectance, kMostSweeps);
-        light.irradiance = field.irradiance();
-        light.residual = left.relative * field.reflected_norm();
-        store_light(stage_->nodes, field, {}, light.solution);
-        Guide guide = guide_;
-        field.fill(guide);
-        const double growth = closed() ? 1.0 : amplification(stage_->nodes, field, *stage_->outside);
-        light.error_square = std::pow(estimate_error(*set_, stage_->nodes, growth, {}, guide).whole, 2) * guide.reflected;
-        light.light_square = guide.reflected;
-        field.emit_only(LightField<C>::kAllGroups);
-        field.set_irradiance(all);
-        field.relight();
-        return light;
+        if (dimmed) dimming_.remember(*stage_->scene, changed, solution, std::pow(error_, 2) * guide_.reflected, guide_.reflected);
     }
 
     /// The guides of the first round and of later ones, before retest.
@@ -362,7 +229,7 @@ class Engine : public ReusableSolver::State {
         stage_->field.fill_sources(schedule_.first);
         schedule_.first.error.assign(stage_->nodes.size(), 0.0f);
         schedule_.first.reflected = reflected_at_first();
-        field.fill(guide_);
+        fill_guide(stage_->nodes, field, guide_);
         grow_errors();
         guide_.share = schedule_.rounds.back().of_instance;
         guide_.scene_share = schedule_.rounds.back().of_scene;
@@ -379,24 +246,6 @@ class Engine : public ReusableSolver::State {
                same_shapes(*stage_->scene, scene, change) && (nodes.group_count() == 0 || group_instances(scene) == nodes.groups());
     }
 
-    /// renewed  groups before, where they may have others numbers or members now; 0: they are the same
-    Touched touched_by(const SceneChange& change, const Scene& before, std::uint32_t renewed) const {
-        const Nodes& nodes = stage_->nodes;
-        Touched touched{change.moved, std::vector<std::uint8_t>(nodes.group_count(), renewed > 0), {}};
-        for (std::uint32_t g = 0; g < renewed; ++g)
-            if (stage_->map[g] != kNoNode) touched.group[stage_->map[g]] = 0;
-        for (std::uint32_t g = nodes.group_count(); g-- > 0;)
-            for (const std::uint32_t child : {nodes[g].first_child, nodes[g].second_child})
-                touched.group[g] |= nodes[child].group() ? touched.group[child] : touched.instance[nodes[child].instance];
-        for (std::uint32_t i = 0; i < change.moved.size(); ++i) {
-            if (!change.moved[i]) continue;
-            touched.blockers.push_back(&stage_->scene->instances[i]);
-            if (change.before[i] != SceneChange::kPlaced) touched.blockers.push_back(&before.instances[change.before[i]]);
-        }
-        for (const std::uint32_t i : change.deleted) touched.blockers.push_back(&before.instances[i]);
-        return touched;
-    }
-
     void judge_again(const Touched& touched, Solution& solution) {
         const auto start = Clock::now();
         retest(*set_, stage_->nodes, *stage_->builder, schedule_, guide_, touched);
@@ -408,24 +257,6 @@ class Engine : public ReusableSolver::State {
         return std::count_if(set_->pending.begin(), set_->pending.end(), [&](const Pair& pair) {
             return guide_.radiosity[pair.a] > 0 || guide_.radiosity[pair.b] > 0;
         });
-    }
-
-    /// Lowers the share of links where errors are too large. Returns whether they are small enough everywhere.
-    bool lower_shares(const ErrorEstimate& estimate, double allowed) {
-        bool good = true;
-        for (std::size_t i = 0; i < guide_.share.size(); ++i) {
-            // Errors add up by their squares, to which a few bright spots may bring nearly everything; but what most of the
-            // light comes from is what is looked at, and so is held to the accuracy asked, too.
-            const bool counts = estimate.power_share[i] > kCountingShare;
-            const double worse = std::min(kWorstInstance, 1 / std::sqrt(std::max(estimate.power_share[i], 1e-300)));
-            const double over = std::min(allowed / std::max(estimate.whole, 1e-300),
-                                         counts ? worse * allowed / std::max(estimate.of_instance[i], 1e-300) : 1.0);
-            if (over >= 1) continue;
-            good = false;
-            guide_.share[i] *= std::clamp(0.7 * over * over * over, 1.0 / 30, 0.7);
-            guide_.scene_share = std::min(guide_.scene_share, guide_.share[i]);
-        }
-        return good;
     }
 
     /// Makes the light field carry the links as they are.
@@ -470,7 +301,7 @@ class Engine : public ReusableSolver::State {
             set_->round = static_cast<std::uint8_t>(std::max<std::size_t>(schedule_.rounds.size(), 1) - 1);
             const std::size_t before = nodes.size(), links_before = set_->links.size();
             const std::uint64_t rays_before = set_->rays;
-            if (!ready) groups_.clear(), dimmer_ = {};
+            if (!ready) dimming_.forget();
             if (!ready) refine(*set_, stage_->nodes, guide_, *stage_->builder);
             field.grow();
             field.leave_unsent(follows ? kUnsent * options.accuracy : 0);
@@ -488,14 +319,14 @@ class Engine : public ReusableSolver::State {
             solution.iterations += residual.sweeps;
             solution.seconds.iterate += seconds_since(start);
 
-            field.fill(guide_);
+            fill_guide(stage_->nodes, field, guide_);
             ErrorEstimate estimate = estimate_error(*set_, nodes, closed() ? 1.0 : amplification(nodes, field, *stage_->outside),
                                                     stage_->outside->error(), guide_);
             hind_sight.correct(estimate, nodes, field);
             error = estimate.whole;
             if (ready) changed = links == Links::Retested || lit_pending() > lit_pending_;
             if (round < kDirectRounds) continue;
-            const bool good = lower_shares(estimate, allowed);
+            const bool good = lower_shares(estimate, allowed, guide_);
             if (error <= allowed) ++settled;
             if ((good || settled > kInstanceRounds) && !(changed && round < kDirectRounds + 1)) break;
         }
@@ -532,12 +363,10 @@ class Engine : public ReusableSolver::State {
     Guide guide_;
     Schedule schedule_;
     Sources sources_;
-    std::map<std::uint32_t, GroupLight> groups_;  // by number; of the links as they are
-    std::shared_ptr<const Scene> before_;         // while materials change
+    Dimming<C> dimming_;                          // over the links as they are
     std::ptrdiff_t lit_pending_ = 0;              // when the last solve ended
     Residual residual_;                           // of the light as it is
     double error_ = 0;                            // estimated, of the links alone
-    Dimmer dimmer_;
     bool sources_changed_ = false;                // since begin_guides()
     double entering_ = 0;  // sum of A R^2 of light from outside, reflected once, W^2/m^2
     double first_seconds_ = 0;

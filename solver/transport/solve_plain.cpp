@@ -1,7 +1,7 @@
 #include "solver/transport/solve_plain.h"
 
-#include <chrono>
 
+#include "format/clock.h"
 #include "format/parallel.h"
 #include "solver/transport/channels.h"
 #include "solver/transport/plain_links.h"
@@ -9,10 +9,6 @@
 namespace rro {
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 constexpr int kMostRounds = 12;
 constexpr int kMostSweeps = 1000;
@@ -22,12 +18,6 @@ constexpr int kFirstSweeps = 2;  // of the first round: enough to steer refineme
 // lowered while such links carry too much light together.
 constexpr double kFirstShare = 1e-3, kLowered = 0.25;
 constexpr double kCoarse = 0.9;  // of `accuracy`: the residual is the other part
-
-template <int C>
-float component(const Rgb& v, std::size_t c) {
-    if constexpr (C == 1) return v.x;
-    return c == 0 ? v.x : c == 1 ? v.y : v.z;
-}
 
 /// Radiosity and irradiance of every node, for C channels: gather over links, push down to faces, pull up.
 template <int C>

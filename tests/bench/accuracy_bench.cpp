@@ -11,7 +11,6 @@
 //
 // --reference-file: the reference is read from FILE.csv, or computed and written there where it is missing. It holds one
 // line per face, in the order of instances and archives; the scene and its archives must be those it was made from.
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -19,6 +18,7 @@
 #include <string>
 #include <vector>
 
+#include "format/clock.h"
 #include "solver/solve_scene.h"
 
 using namespace rro;
@@ -60,9 +60,9 @@ Sums compare(const Instance& instance, const InstanceSolution& x, const Instance
 }
 
 Solution timed(const Scene& scene, const SolveOptions& options, double& seconds) {
-    const auto start = std::chrono::steady_clock::now();
+    const auto start = Clock::now();
     auto solution = solve_scene(scene, options, {});
-    seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    seconds = seconds_since(start);
     if (!solution) {
         std::fprintf(stderr, "%s\n", solution.error().message.c_str());
         std::exit(1);

@@ -2,7 +2,6 @@
 //
 //   archive_bench FILE.rro... [--runs N]     medians, files cached, all cores
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
@@ -10,6 +9,7 @@
 #include <vector>
 
 #include "format/archive_reader.h"
+#include "format/clock.h"
 #include "format/verifier.h"
 
 using namespace rro;
@@ -106,10 +106,9 @@ int main(int argc, char** argv) {
         std::vector<std::vector<double>> milliseconds(std::size(kSteps));
         for (std::size_t run = 0; run < runs; ++run)
             for (std::size_t s = 0; s < std::size(kSteps); ++s) {
-                const auto start = std::chrono::steady_clock::now();
+                const auto start = Clock::now();
                 if (!kSteps[s].run(*subject)) return 3;
-                const std::chrono::duration<double, std::milli> taken = std::chrono::steady_clock::now() - start;
-                milliseconds[s].push_back(taken.count());
+                milliseconds[s].push_back(milliseconds_since(start));
             }
         for (std::size_t s = 0; s < std::size(kSteps); ++s) {
             std::vector<double>& times = milliseconds[s];

@@ -6,7 +6,6 @@
 // Lines of EDITS.txt: move NAME dx dy dz | place NAME LIKE dx dy dz | delete NAME | material NAME r g b | dim GROUP scale.
 // Distances are in metres; every second repeat moves back.
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -16,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "format/clock.h"
 #include "solver/session.h"
 
 using namespace rro;
@@ -30,10 +30,6 @@ struct Figures {
 [[noreturn]] void fail(const Error& error) {
     std::fprintf(stderr, "edits_bench: %s: %s\n", error.where.c_str(), error.message.c_str());
     std::exit(1);
-}
-
-double milliseconds_since(std::chrono::steady_clock::time_point start) {
-    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
 const Instance& instance_of(const SceneSession& session, const std::string& name) {
@@ -88,7 +84,7 @@ int main(int count, char** words) {
     const int repeats = count > 4 ? std::atoi(words[4]) : 2;
     auto session = SceneSession::open(words[1], options);
     if (!session) fail(session.error());
-    const auto start = std::chrono::steady_clock::now();
+    const auto start = Clock::now();
     const auto first = session->solve();
     if (!first) fail(first.error());
     const double first_ms = milliseconds_since(start);
@@ -102,7 +98,7 @@ int main(int count, char** words) {
             std::istringstream line(text);
             std::string kind;
             if (!(line >> kind) || kind[0] == '#') continue;
-            const auto begun = std::chrono::steady_clock::now();
+            const auto begun = Clock::now();
             if (const auto done = apply(*session, line, kind, repeat % 2 == 0 ? 1 : -1); !done) fail(done.error());
             const auto solved = session->solve();
             if (!solved) fail(solved.error());
@@ -128,7 +124,7 @@ int main(int count, char** words) {
     }
     // The scene as it has become, by a session that knows nothing of the edits.
     SceneSolver alone;
-    const auto again = std::chrono::steady_clock::now();
+    const auto again = Clock::now();
     const auto shared = std::make_shared<const Scene>(session->scene());
     auto scratch = alone.solve(shared, options);
     if (!scratch) fail(scratch.error());

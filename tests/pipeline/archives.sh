@@ -3,14 +3,7 @@
 # pins in manifests, and the small reader in Python.
 #
 #   archives.sh RRO_COMPILE RRO_SOLVE SOURCE_DIR
-set -euo pipefail
-
-compile=$1 solve=$2 source=$3
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-cd "$work"
-
-fail() { echo "archives.sh: $*" >&2; exit 1; }
+source "$(dirname "${BASH_SOURCE[0]}")/prelude.sh"
 sum() { sha256sum "$1" | cut -d' ' -f1; }
 mesh=$source/samples/meshes/chair.obj
 

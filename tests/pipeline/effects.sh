@@ -3,14 +3,7 @@
 # sense.
 #
 #   effects.sh RRO_COMPILE RRO_SOLVE SOURCE_DIR
-set -euo pipefail
-
-compile=$1 solve=$2
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-cd "$work"
-
-fail() { echo "effects.sh: $*" >&2; exit 1; }
+source "$(dirname "${BASH_SOURCE[0]}")/prelude.sh"
 
 # ends WHAT STATUS PATTERN COMMAND...: the exit code, and a line on standard error that matches.
 ends() {

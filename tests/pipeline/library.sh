@@ -3,15 +3,7 @@
 # nothing; the installed CMake package builds a library with ninja.
 #
 #   library.sh RRO_COMPILE RRO_SOLVE SOURCE_DIR
-set -euo pipefail
-
-compile=$1 source=$3
-build_tree=$(dirname "$(dirname "$compile")")
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-cd "$work"
-
-fail() { echo "library.sh: $*" >&2; exit 1; }
+source "$(dirname "${BASH_SOURCE[0]}")/prelude.sh"
 
 # library EXPECTED_STATUS [FILE [OPTION...]]: compiles a library into out/, output in stdout.txt and stderr.txt.
 library() {

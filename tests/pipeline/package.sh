@@ -2,15 +2,7 @@
 # The installed package: the sample programs are built against it, and nothing of this repository, and work.
 #
 #   package.sh RRO_COMPILE RRO_SOLVE SOURCE_DIR
-set -euo pipefail
-
-compile=$1 source=$3
-build_tree=$(dirname "$(dirname "$compile")")
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-cd "$work"
-
-fail() { echo "package.sh: $*" >&2; exit 1; }
+source "$(dirname "${BASH_SOURCE[0]}")/prelude.sh"
 
 cmake --install "$build_tree" --prefix "$work/installed" > install.txt
 # Sources elsewhere, so that no include can reach the repository.

@@ -3,15 +3,8 @@
 # error and no output file.
 #
 #   programs.sh RRO_COMPILE RRO_SOLVE SOURCE_DIR
-set -euo pipefail
-
-compile=$1 solve=$2 source=$3
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-cd "$work"
+source "$(dirname "${BASH_SOURCE[0]}")/prelude.sh"
 mkdir library
-
-fail() { echo "programs.sh: $*" >&2; exit 1; }
 
 # refused WHAT PATTERN COMMAND...: exit code 3, a line that matches, no file named `output`.
 refused() {

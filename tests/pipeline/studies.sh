@@ -3,14 +3,7 @@
 # compares two versions of a library in continuous integration.
 #
 #   studies.sh RRO_COMPILE RRO_SOLVE SOURCE_DIR
-set -euo pipefail
-
-compile=$1 solve=$2 source=$3
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-cd "$work"
-
-fail() { echo "studies.sh: $*" >&2; exit 1; }
+source "$(dirname "${BASH_SOURCE[0]}")/prelude.sh"
 
 # A box over a lamp in a room, small enough that every method takes milliseconds.
 corners='v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n'

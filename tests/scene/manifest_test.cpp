@@ -6,8 +6,8 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-/// The contract's example, as printed.
-const char* const kContractManifest = R"({
+/// What users wrote for format 1: it must stay readable.
+const char* const kFirstManifest = R"({
   "format": "rro-scene/1",
   "instances": [
     { "name": "desk", "archive": "library/desk.rro",
@@ -39,9 +39,9 @@ Affine3 placed(SceneFiles& files, const std::string& transform) {
 
 }  // namespace
 
-TEST_CASE("the contract's manifest is read as printed", "[manifest]") {
+TEST_CASE("a manifest of the first version is read", "[manifest]") {
     SceneFiles files;
-    const std::string text = kContractManifest;
+    const std::string text = kFirstManifest;
     const auto read = read_manifest(files.manifest(text));
     REQUIRE(read);
     REQUIRE(read->instances.size() == 2);

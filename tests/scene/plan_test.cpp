@@ -44,7 +44,7 @@ std::string reason(Plan& plan, const std::string& effect, bool on) {
 
 }  // namespace
 
-TEST_CASE("the plan lists all effects in the contract's order, each with a reason", "[effects]") {
+TEST_CASE("the plan lists all effects in their order, each with a reason", "[effects]") {
     SceneFiles files;
     const Plan plan = plan_of(files, instance("a", ""));
     std::string names;

@@ -17,7 +17,7 @@ inline Mesh make_parallelogram(const Vec3& corner, const Vec3& u, const Vec3& v,
 }
 
 /// Upside down, then there.
-inline Affine3 turned_down(const Vec3& at) { return {{{Vec3{1, 0, 0}, Vec3{0, -1, 0}, Vec3{0, 0, -1}}}, at}; }
+inline Affine3 turned_down(const Vec3& at) { return {kUpsideDown, at}; }
 
 /// All numbers are numbers, none is negative, and radiosities of faces lie below M_max / (1 - rho_max), per channel.
 ///

@@ -10,6 +10,9 @@
 
 namespace rro::test {
 
+/// Half a turn about x.
+inline const Mat3 kUpsideDown{{Vec3{1, 0, 0}, Vec3{0, -1, 0}, Vec3{0, 0, -1}}};
+
 /// No triangles yet, one material.
 inline Mesh empty_mesh(bool closed) {
     Mesh mesh;

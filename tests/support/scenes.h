@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <numbers>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -94,6 +95,19 @@ inline Scene make_scene(const std::vector<Placed>& placed, const CompileOptions&
 
 inline Affine3 translation(const Vec3& by) {
     return {Mat3{}, by};
+}
+
+/// Irradiance of a unit square from another one, opposite at distance 1, that sends 1 W/m^2 through a medium. 1/m
+inline double irradiance_through(double absorption) {
+    constexpr int n = 14;  // midpoints of both squares: 1e-3
+    double sum = 0;
+    for (int i = 0; i < n * n; ++i)
+        for (int j = 0; j < n * n; ++j) {
+            const Vec3 p{(i % n + 0.5) / n, 0, (i / n + 0.5) / n}, q{(j % n + 0.5) / n, 1, (j / n + 0.5) / n};
+            const double d2 = length2(q - p);
+            sum += std::exp(-absorption * std::sqrt(d2)) / (std::numbers::pi * d2 * d2 * n * n * n * n);
+        }
+    return sum;
 }
 
 inline double face_area(const Instance& instance, std::size_t f) {

@@ -62,7 +62,7 @@ inline ErrorSums compare(const Instance& instance, const InstanceSolution& x, co
     return s;
 }
 
-/// The contract's error of a whole scene, and of its worst instance among those that matter.
+/// The error of solver/accuracy.md of a whole scene, and of its worst instance among those that matter.
 struct SceneError {
     ErrorSums all;
     double worst = 0;
@@ -94,6 +94,12 @@ inline SceneError compare(const Scene& scene, const Solution& x, const Solution&
             out.worst_name = scene.instances[i].name;
         }
     return out;
+}
+
+/// The same of the whole scene, with the truth's own variance left in.
+inline double difference(const Scene& scene, const Solution& x, const Solution& truth) {
+    const ErrorSums s = compare(scene, x, truth).all;
+    return std::sqrt(s.difference / (s.truth + s.noise));
 }
 
 /// Number of a source triangle's side.

@@ -13,8 +13,6 @@ namespace rro::test {
 namespace {
 
 const Vec3 kX{1, 0, 0}, kY{0, 1, 0}, kZ{0, 0, 1}, kNone{}, kOne{1, 1, 1}, kHalf{0.5, 0.5, 0.5};
-const Mat3 kUpsideDown{{Vec3{1, 0, 0}, Vec3{0, -1, 0}, Vec3{0, 0, -1}}};
-
 /// Gives light, reflects none.
 Placed emitter(Mesh mesh) { return {std::move(mesh), {}, kNone, kOne, "emitter"}; }
 /// Reflects half of what it receives, so that its irradiance is what the solver is asked for.
@@ -261,7 +259,7 @@ std::vector<UnitSquare> grey_cube() {
 
 constexpr std::size_t kCells = 4;  // along a side
 
-/// The contract's error over cells of two triangles each, against the continuous truth: at most 1.5 times the accuracy asked,
+/// The error of solver/accuracy.md over cells of two triangles each, against the continuous truth: at most 1.5 times the accuracy asked,
 /// for a single square three times.
 void check_squares(const std::string& what, const std::vector<UnitSquare>& squares, const ContinuousTruth& truth,
                    double accuracy) {

@@ -13,7 +13,6 @@
 namespace rro::test {
 namespace {
 
-const Mat3 kUpsideDown{{Vec3{1, 0, 0}, Vec3{0, -1, 0}, Vec3{0, 0, -1}}};
 const Vec3 kNone{}, kOne{1, 1, 1}, kHalf{0.5, 0.5, 0.5};
 
 Solution solve(const Scene& scene, double accuracy, const std::vector<std::string>& without = {},

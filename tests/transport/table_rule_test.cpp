@@ -9,8 +9,6 @@ namespace rro::test {
 namespace {
 
 const Vec3 kNone{};
-const Mat3 kUpsideDown{{Vec3{1, 0, 0}, Vec3{0, -1, 0}, Vec3{0, 0, -1}}};
-
 /// Error within 1.5 times the accuracy asked, and no instance of more than a thousandth of the reflected power worse than
 /// `worst` times; what the reference's own noise leaves open of that is added.
 void check_against_paths(const std::string& what, const Scene& scene, std::uint32_t samples,

@@ -13,23 +13,6 @@
 namespace rro::test {
 namespace {
 
-const Mat3 kUpsideDown{{Vec3{1, 0, 0}, Vec3{0, -1, 0}, Vec3{0, 0, -1}}};
-
-// Area-weighted relative root mean square difference of reflected radiosity: the definition of error.
-double difference(const Scene& scene, const Solution& x, const Solution& truth) {
-    double sum = 0, norm = 0;
-    for (std::size_t i = 0; i < scene.instances.size(); ++i)
-        for (std::size_t f = 0; f < scene.instances[i].data().faces.size(); ++f) {
-            const Instance& instance = scene.instances[i];
-            const double a = face_area(instance, f);
-            const Vec3 m = to_double(instance.exitance[instance.object->patch_of_face[f]]);
-            const Vec3 b = to_double(truth.instances[i].radiosity[f]);
-            sum += a * length2(to_double(x.instances[i].radiosity[f]) - b);
-            norm += a * length2(b - m);
-        }
-    return std::sqrt(sum / norm);
-}
-
 // A room with a lamp, a ball and three boxes, one of them sheared: closed, coloured, with far and near pairs.
 Scene furnished_room() {
     Affine3 sheared = translation({-0.5, 0.401, 0.3});

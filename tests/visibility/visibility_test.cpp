@@ -31,7 +31,7 @@ Scene cluttered_room() {
     return make_scene({{turned_inside_out(make_box(4, 4, 4)), {}, {0.6, 0.6, 0.6}},
                        {make_torus(12, 6, 0.7, 0.25), translation({0.6, 0, 0.3}), {0.5, 0.5, 0.5}},
                        {make_dented_sphere(1, 0.4), translation({-0.9, -0.4, 0}), {0.5, 0.5, 0.5}},
-                       {make_quad(0.8, 0.8), {{{Vec3{1, 0, 0}, Vec3{0, -1, 0}, Vec3{0, 0, -1}}}, {0, 1.9, 0}}, {}, {10, 10, 10}}});
+                       {make_quad(0.8, 0.8), {kUpsideDown, {0, 1.9, 0}}, {}, {10, 10, 10}}});
 }
 
 }  // namespace
