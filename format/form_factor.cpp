@@ -58,8 +58,7 @@ inline Real angle_over_sine(Real c2, Real d) {
     const Real magnitude = d < 0.0 ? -d : d;
     const Real half = 1.0 / (root(c2 + d * d) + magnitude);  // tan(angle / 2) / |c|
     const Real acute = 2.0 * half * arctangent_ratio(c2 * half * half);
-    const Real obtuse = pi / root(c2) - acute;
-    return d >= 0.0 ? acute : c2 > 0.0 ? obtuse : c2;
+    return d >= 0.0 ? acute : c2 > 0.0 ? pi / root(c2) - acute : c2;
 }
 
 /// Gamma of the edge from a to b as seen from the origin: the angle times the unit normal of the plane of both, which

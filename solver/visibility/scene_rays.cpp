@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "solver/visibility/box_hull.h"
+#include "solver/visibility/reciprocals.h"
 
 namespace rro {
 namespace {
@@ -63,10 +64,6 @@ std::optional<double> entry(const Box3& box, const Vec3& origin, const Vec3& rec
     cut(box.lo.z, box.hi.z, origin.z, reciprocal.z);
     if (near > far) return std::nullopt;
     return near;
-}
-
-Vec3 reciprocals(const Vec3& d) {
-    return {1 / d.x, 1 / d.y, 1 / d.z};
 }
 
 /// The part of p + t (q - p) that counts as the open segment, in an object's frame: a margin is left out at both ends.

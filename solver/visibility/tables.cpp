@@ -6,6 +6,7 @@
 
 #include "format/layout.h"
 #include "format/sample_points.h"
+#include "solver/visibility/reciprocals.h"
 
 namespace rro {
 namespace {
@@ -73,7 +74,7 @@ bool HitTables::hits_triangle(const Volume& leaf, const Vec3& p, const Vec3& d) 
 
 double HitTables::passes(const Vec3& from, const Vec3& to, double missing, const TableOptions& options,
                          std::uint64_t key) const {
-    const Vec3 p = from - object_.origin, d = to - from, reciprocal{1 / d.x, 1 / d.y, 1 / d.z};
+    const Vec3 p = from - object_.origin, d = to - from, reciprocal = reciprocals(d);
     const Vec3 unit = normalised(d);
     const DirectionTaps taps = grid_.taps(unit);
     const bool intrinsic = options.intrinsic && !object_.intrinsic_hit.empty();
