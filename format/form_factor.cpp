@@ -56,7 +56,8 @@ inline Real arctangent_ratio(Real t2) {
 template <class Real>
 inline Real angle_over_sine(Real c2, Real d) {
     const Real magnitude = d < 0.0 ? -d : d;
-    const Real half = 1.0 / (root(c2 + d * d) + magnitude);  // tan(angle / 2) / |c|
+    const Real sum = root(c2 + d * d) + magnitude;  // 0 where a vector is: any angle will do
+    const Real half = 1.0 / (sum > 0.0 ? sum : sum + 1.0);  // tan(angle / 2) / |c|
     const Real acute = 2.0 * half * arctangent_ratio(c2 * half * half);
     return d >= 0.0 ? acute : c2 > 0.0 ? pi / root(c2) - acute : c2;
 }
