@@ -133,7 +133,8 @@ class ClippedContourSum {
     };
     void go_to(const Corner& next) {
         if (last_.above != next.above) {
-            const double share = std::clamp(last_.height / (last_.height - next.height), 0.0, 1.0);
+            const double fall = last_.height - next.height;
+            const double share = fall == 0 ? 0 : std::clamp(last_.height / fall, 0.0, 1.0);
             above_.add(last_.v + (next.v - last_.v) * share);
         }
         if (next.above) above_.add(next.v);
