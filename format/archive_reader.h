@@ -29,7 +29,7 @@ class Archive {
     /// wanted (and those that they refer to) are unpacked, several at a time, and verified. Nothing is read through a
     /// view before that. The others stay as they lie, and data() shows nothing of them.
     ///
-    /// errors   BadInput: not there, not an archive, newer major version, truncated, or damaged: names section, field,
+    /// errors   BadInput: not there, not an archive, another major version, truncated, or damaged: names section, field,
     ///          found and expected
     static Result<Archive> open(const std::filesystem::path& path, SectionSet wanted = SectionSet::all());
 
@@ -53,7 +53,8 @@ class Archive {
     std::uint16_t version_minor() const;
 
     /// A section's payload after decompression (a plain FlatBuffers buffer).
-    /// errors   BadInput: no such section (names those there are)
+    /// errors   BadInput: no such section (names those there are), one packed in a way that this version does not know, or
+    ///          damaged inside
     Result<std::vector<std::byte>> section(const std::string& name) const;
 
     /// SHA-256 of the whole file, lower-case hex.

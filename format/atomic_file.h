@@ -15,6 +15,7 @@ namespace rro {
 /// errors   Failed: the folder is missing, no permission, disk full (names the file and the system's reason); the
 ///          temporary file is removed
 Status write_file_atomically(const std::filesystem::path& path, std::span<const std::byte> bytes);
+/// The same for text.
 Status write_file_atomically(const std::filesystem::path& path, std::string_view text);
 
 /// The same, piece by piece, for what need not be in memory at once. A file that is not committed leaves nothing behind.
@@ -26,8 +27,10 @@ class AtomicFile {
     AtomicFile& operator=(AtomicFile&&) = delete;
     ~AtomicFile();
 
+    /// errors   Failed: disk full, and the like
     Status write(std::string_view text);
     /// Syncs and renames; nothing may be written after it.
+    /// errors   Failed: as above
     Status commit();
 
   private:

@@ -19,6 +19,7 @@ namespace rro {
 ///          atan2(|a x b|, a . b), which is stable for nearly parallel and nearly opposite corners; far, small polygons
 ///          (extent below 1/50 of the distance) by the area form to 1e-12, where the contour formula cancels
 double point_to_polygon(const Vec3& p, const Vec3& n, std::span<const Vec3> polygon);
+/// The same for a triangle.
 double point_to_triangle(const Vec3& p, const Vec3& n, const TriangleCorners& t);
 
 /// The same by the contour formula alone, several edges at a time: for a polygon known to be above the horizon of `p` as a

@@ -26,6 +26,7 @@ struct Vec3 {
     constexpr bool operator==(const Vec3&) const = default;
 };
 
+// Arithmetic of vectors; hadamard multiplies component by component.
 constexpr Vec3 operator+(Vec3 a, const Vec3& b) { return a += b; }
 constexpr Vec3 operator-(Vec3 a, const Vec3& b) { return a -= b; }
 constexpr Vec3 operator-(const Vec3& a) { return {-a.x, -a.y, -a.z}; }
@@ -56,7 +57,9 @@ struct Vec3f {
 };
 static_assert(sizeof(Vec3f) == 12);
 
+/// Exact.
 constexpr Vec3 to_double(const Vec3f& a) { return {a.x, a.y, a.z}; }
+/// Rounded to nearest.
 constexpr Vec3f to_float(const Vec3& a) {
     return {static_cast<float>(a.x), static_cast<float>(a.y), static_cast<float>(a.z)};
 }
@@ -69,6 +72,7 @@ using TriangleCorners = std::array<Vec3, 3>;
 
 /// Area times unit normal: half the cross product of two edges.
 constexpr Vec3 area_vector(const Vec3& a, const Vec3& b, const Vec3& c) { return 0.5 * cross(b - a, c - a); }
+/// The same.
 constexpr Vec3 area_vector(const TriangleCorners& t) { return area_vector(t[0], t[1], t[2]); }
 
 /// Axis-aligned box; empty until something is added.
@@ -121,6 +125,7 @@ struct Mat3 {
     constexpr bool operator==(const Mat3&) const = default;
 };
 
+/// First b, then a.
 constexpr Mat3 operator*(const Mat3& a, const Mat3& b) {
     const Mat3 bt = b.transposed();
     return {{bt * a.rows[0], bt * a.rows[1], bt * a.rows[2]}};
@@ -146,6 +151,7 @@ struct Affine3 {
     constexpr bool operator==(const Affine3&) const = default;
 };
 
+/// First b, then a.
 constexpr Affine3 operator*(const Affine3& a, const Affine3& b) {
     return {a.linear * b.linear, a.point(b.translation)};
 }

@@ -10,6 +10,7 @@ namespace rro {
 
 /// Bounds every parallel loop and Embree's builds from now on; 0 = all cores. Call once, from main.
 void set_thread_count(unsigned threads);
+/// How many threads that is.
 unsigned thread_count();
 
 /// Calls body(begin, end) over disjoint chunks of [0, count). Chunk borders depend on `count` and `grain` alone, so a
@@ -17,7 +18,7 @@ unsigned thread_count();
 /// number of threads.
 void parallel_chunks(std::size_t count, std::size_t grain, const std::function<void(std::size_t, std::size_t)>& body);
 
-/// Calls body(i) for every i in [0, count).
+/// Calls body(i) for every i in [0, count), in such chunks.
 template <class Body>
 void parallel_for(std::size_t count, std::size_t grain, const Body& body) {
     parallel_chunks(count, grain, [&](std::size_t begin, std::size_t end) {

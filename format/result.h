@@ -23,9 +23,11 @@ struct Error {
     std::string hint;     // may be empty
 };
 
+/// An error of kind BadInput.
 inline Error bad_input(std::string where, std::string message, std::string hint = {}) {
     return {ErrorKind::BadInput, std::move(where), std::move(message), std::move(hint)};
 }
+/// An error of kind Failed.
 inline Error failed(std::string where, std::string message, std::string hint = {}) {
     return {ErrorKind::Failed, std::move(where), std::move(message), std::move(hint)};
 }

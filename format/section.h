@@ -9,6 +9,7 @@ namespace rro {
 enum class Section : std::uint32_t {
     Meta, Mesh, Materials, Patches, Clusters, Area, Visibility, Errors, Hbv, Source, Hit, Atlas, SelfLinks
 };
+/// How many kinds there are.
 inline constexpr std::uint32_t kSectionKinds = 13;
 
 /// A set of sections: `Section::Area | Section::Visibility`.
@@ -26,6 +27,7 @@ class SectionSet {
     constexpr explicit SectionSet(std::uint32_t bits) : bits_(bits) {}
     std::uint32_t bits_ = 0;
 };
+/// What is in either set.
 constexpr SectionSet operator|(SectionSet a, SectionSet b) { return SectionSet(a.bits_ | b.bits_); }
 constexpr SectionSet operator|(Section a, SectionSet b) { return SectionSet(a) | b; }
 

@@ -20,6 +20,7 @@
 
 namespace rro {
 
+/// As stored; FORMAT.md, "Self links".
 enum class PairStep : std::uint8_t { Dark, Link, SplitFirst, SplitSecond, SplitSelf };
 inline constexpr std::uint32_t kPairSteps = 5;
 

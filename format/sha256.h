@@ -7,6 +7,7 @@
 
 namespace rro {
 
+/// 64 digits, as `sha256sum` prints them.
 std::string sha256_hex(std::span<const std::byte> bytes);
 
 }  // namespace rro

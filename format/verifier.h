@@ -27,7 +27,7 @@ struct Container {
 /// differ from what was written.
 ///
 /// name     of the file, for messages
-/// errors   BadInput; a newer major version has a hint
+/// errors   BadInput; another major version has a hint
 Result<Container> verify_container(std::span<const std::byte> bytes, const std::string& name);
 
 /// A section's name without its padding.

@@ -12,6 +12,7 @@
 
 namespace rro {
 
+/// In place of a triangle's number: none.
 inline constexpr std::uint32_t kNoTriangle = 0xffffffffu;
 
 /// A ray segment, origin + t direction, t in (t_min, t_max). The direction need not be unit.
@@ -53,7 +54,9 @@ class ObjectRays {
     ObjectRays(ObjectRays&&) noexcept;
     ObjectRays& operator=(ObjectRays&&) noexcept;
 
+    /// The nearest hit. Here and below origins and directions must be finite: Embree does not check.
     ObjectHit first_hit(const ObjectRay& ray, const IgnoredTriangles& ignored = {}) const;
+    /// Does the ray hit anything?
     bool occluded(const ObjectRay& ray, const IgnoredTriangles& ignored = {}) const;
 
     /// blocked[i] |= ray i is occluded; rays already blocked on entry are not traced. Packets of 16 inside; best where
