@@ -59,6 +59,7 @@ struct Job {
 /// errors   Usage: a value that no option has
 Result<Job> job_of(const Arguments& a);
 
+/// The options of `factors` as the pipeline takes them.
 struct FactorsJob {
     FactorOptions options;
     std::uint64_t memory = 0;

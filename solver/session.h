@@ -41,6 +41,7 @@ class SceneSession {
     /// Puts an instance elsewhere: replaces its whole transform.
     /// errors   BadInput: no instance of this name, a singular transform
     Status move(std::string_view name, const Affine3& to_world);
+    /// Takes an instance out.
     /// errors   BadInput: no instance of this name
     Status remove(std::string_view name);
     /// Sets one field of a material of one instance; its other fields stay.
@@ -49,6 +50,7 @@ class SceneSession {
     /// reflectance  each channel in [0, 1);  exitance  W/m^2, not negative
     /// errors    BadInput: no instance of this name, a value out of range
     Status set_reflectance(std::string_view name, std::string material, const Vec3& reflectance);
+    /// The same.
     Status set_exitance(std::string_view name, std::string material, const Vec3& exitance);
 
     /// Dims all surfaces and lamps of a light group to `scale` times what the manifest says.
@@ -61,9 +63,11 @@ class SceneSession {
     /// errors   as open_scene and solve_scene. Afterwards the scene can be edited further; the solution before stays
     Result<const Solution*> solve(const Progress& progress = {});
 
-    /// As of the last solve(); before the first one scene() is the manifest's, and there must be no call of the other two.
+    /// As of the last solve(); before the first one the manifest's.
     const Scene& scene() const { return *scene_; }
+    /// As of the last solve(); not to be called before the first one.
     const Solution& solution() const { return *solution_; }
+    /// What the last solve() did to the links.
     const LinkChange& change() const { return solver_.change(); }
 
     /// Mean radiosity of the front of a source triangle (numbered as in the mesh's file, from 0) as of the last solve(), W/m^2.

@@ -19,6 +19,7 @@ struct Element {
     Rgb radiosity, irradiance;                  // W/m^2, means over the element
 };
 
+/// The light of one instance of F faces.
 struct InstanceSolution {
     std::vector<Rgb> radiosity;        // [F] W/m^2, mean over the face
     std::vector<Rgb> irradiance;       // [F] W/m^2
@@ -47,15 +48,21 @@ struct PhaseSeconds {
     double outside = 0;  // part of visibility: sky, sun and lamps
 };
 
+/// Links, each for both directions: far, where directions count; near, between two ends of one radiosity each; self, within
+/// one instance. Those of the hierarchical method are all near.
 struct LinkCounts {
-    std::uint64_t far = 0, near = 0, self = 0, bytes = 0;
+    std::uint64_t far = 0, near = 0, self = 0;
+    std::uint64_t bytes = 0;  // that they take, with the reusable method the light on them too
     std::uint64_t total() const { return far + near + self; }
 };
 
+/// Where the power of all light goes, W per channel. Emitted includes sky, sun and lamps, as far as their light arrives. What
+/// black backs and media take is absorbed with the reference, escaped with the other methods.
 struct EnergyBalance {
-    Vec3 emitted, absorbed, escaped;  // W
+    Vec3 emitted, absorbed, escaped;
 };
 
+/// All that a solve gives.
 struct Solution {
     std::vector<InstanceSolution> instances;  // as in the scene
     std::vector<EffectPlan> effects;
@@ -66,9 +73,9 @@ struct Solution {
     std::uint64_t elements = 0;       // leaves: whole faces and elements
     double accuracy = 0;              // asked
     double estimated_error = 0;       // area-weighted relative RMS of the reflected radiosity
-    bool converged = false;
-    int iterations = 0;
-    double residual = 0;
+    bool converged = false;           // the estimate met the accuracy; reference with samples, hierarchical: all was done
+    int iterations = 0;               // sweeps of light over all links; reference: passes over all faces
+    double residual = 0;              // of the iteration, relative to the reflected light
     std::vector<std::string> warnings;
 };
 

@@ -20,11 +20,13 @@
 
 namespace rro {
 
+/// How a scene is solved: the reusable method (solver/transport), and two to compare with (solver/study).
 enum class Method { Reusable, Hierarchical, Reference };
 
 /// How the reusable method carries light: by direction, or alike in all directions as the paper does.
 enum class Transport { Directional, Plain };
 
+/// What a solve is asked for. The defaults are those of `rro-solve run`.
 struct SolveOptions {
     Method method = Method::Reusable;
     std::optional<double> accuracy;  // relative error, in (0, 1]; beats the manifest's, which beats 0.02
@@ -40,7 +42,9 @@ struct SolveOptions {
 /// The values of --method, --transport and --visibility.
 /// errors   Usage: no such name (lists those there are)
 Result<Method> parse_method(std::string_view name);
+/// The same.
 Result<Transport> parse_transport(std::string_view name);
+/// The same.
 Result<VisibilityMethod> parse_visibility(std::string_view name);
 
 /// Plans the effects and solves. What `overrides` take out of the radiometry has left the scene before (leave_out).
@@ -51,8 +55,8 @@ Result<VisibilityMethod> parse_visibility(std::string_view name);
 /// returns   radiosity and irradiance of every face in W/m^2, instances as in the scene; effects, warnings, and the seconds of
 ///           plan and solve (those of load and output are the caller's; total is plan and solve). `converged` is false where
 ///           the accuracy was not reached; the solution is there all the same
-/// errors    Usage: effects as in plan_effects; options that the method does not know. Failed: the hierarchical method needs
-///           more memory than options.memory
+/// errors    those of plan_effects. Usage: options or effects that the method does not know. Failed: the hierarchical method
+///           needs more memory than options.memory
 /// source    the reusable method: Paper; the others: their headers in solver/study
 Result<Solution> solve_scene(const Scene& scene, const SolveOptions& options, const Progress& progress = {});
 
@@ -60,10 +64,12 @@ Result<Solution> solve_scene(const Scene& scene, const SolveOptions& options, co
 /// thread-safe.
 class SceneSolver {
   public:
+    /// As solve_scene, from what the last call left. Keeps the scene until the next one.
     Result<Solution> solve(std::shared_ptr<const Scene> scene, const SolveOptions& options, const Progress& progress = {});
 
     /// What the last solve did to the links.
     const LinkChange& change() const { return change_; }
+    /// Did it keep nothing of the solve before?
     bool from_scratch() const { return from_scratch_; }
 
   private:

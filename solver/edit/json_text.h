@@ -37,10 +37,12 @@ std::string without_value(std::string_view text, const JsonSpan& array, std::siz
 
 /// A string as JSON; the text must be UTF-8 (is_utf8).
 std::string json_string(std::string_view text);
+/// Is the text UTF-8?
 bool is_utf8(std::string_view text);
 
 /// A finite number as JSON: the shortest text that gives it back.
 std::string json_number(double value);
+/// Several as an array.
 std::string json_numbers(const std::vector<double>& values);
 
 /// JSON text with one space after each comma and colon, shortest numbers, members as they stand.

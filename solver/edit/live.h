@@ -14,6 +14,7 @@
 
 namespace rro {
 
+/// What `live` is asked for.
 struct LiveOptions {
     SolveOptions solve;
     std::uint64_t memory = std::uint64_t{8} << 30;          // most that a scene and its solve may need, bytes

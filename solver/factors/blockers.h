@@ -35,6 +35,7 @@ struct Between {
     bool empty() const { return bodies.empty() && solids.empty(); }
 };
 
+/// The tree. Safe to share between threads.
 class Blockers {
   public:
     /// Keeps a reference to the surfaces. Those with all of the scene on one side of their plane can block nothing and are

@@ -15,6 +15,7 @@ struct Obstacles {
     std::span<const Solid* const> solids;  // with no part of either inside
 };
 
+/// An exchange and how sure it is.
 struct ObstructedExchange {
     double value = 0;           // A_a F_ab, m^2
     double standard_error = 0;  // m^2

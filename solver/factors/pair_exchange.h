@@ -15,6 +15,7 @@ struct ObstructedPair {
     std::uint32_t a = 0, b = 0;
 };
 
+/// Two groups and what is known of their exchange.
 struct GroupPair {
     std::uint32_t from = 0, to = 0;  // from <= to
     double exchange = 0;             // m^2: A_from F, of the pairs with nothing between

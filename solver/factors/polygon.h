@@ -17,6 +17,7 @@ struct PolygonRule {
     std::uint32_t count = 0;  // of nodes with a weight
 };
 
+/// A convex polygon with what is derived from its corners. Lengths in metres.
 struct Polygon {
     std::vector<Vec3> corners;  // 3 or more, convex, counter-clockwise as seen from the front
     Vec3 normal;                // unit

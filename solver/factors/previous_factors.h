@@ -12,9 +12,9 @@ struct PreviousFactors : Factors {
     std::filesystem::path path;
 };
 
-/// Reads what write_factors_json has written.
+/// Reads a JSON file that write_factors has written.
 ///
-/// errors   Failed: no such file. BadInput: not JSON, another format, or not consistent; a matrix that was closed or
+/// errors   Failed: cannot be read. BadInput: not JSON, another format, or not consistent; a matrix that was closed or
 ///          written with a threshold: what has been left out or moved cannot be told
 Result<PreviousFactors> read_previous_factors(const std::filesystem::path& path);
 

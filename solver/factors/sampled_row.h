@@ -10,6 +10,7 @@
 
 namespace rro {
 
+/// The factors from one group to all G.
 struct SampledRow {
     std::vector<double> factor;          // [G]
     std::vector<double> standard_error;  // [G] from the scatter of independent replicates
@@ -33,6 +34,7 @@ struct RayScene {
 SampledRow sampled_row(const RayScene& scene, std::uint32_t group, std::span<const std::uint32_t> wanted,
                        double accuracy);
 
+/// The factor of one pair.
 struct SampledPair {
     double factor = 0;
     double standard_error = 0;  // as above

@@ -10,6 +10,7 @@
 
 namespace rro {
 
+/// A closed convex body. Lengths in metres.
 struct Solid {
     /// An edge, counter-clockwise about the face on its left.
     struct Edge {

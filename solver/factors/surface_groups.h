@@ -10,16 +10,21 @@
 
 namespace rro {
 
+/// What a row is: --by.
 enum class GroupBy { Auto, Instance, Material, Group };
+/// Which sides of two-sided triangles exchange: --sides.
 enum class Sides { Front, Both };
 
+/// In place of a group's number: none.
 inline constexpr std::uint32_t kNoGroup = 0xffffffffu;
 
+/// G groups, and whose they are.
 struct SurfaceGroups {
     GroupBy by = GroupBy::Instance;                     // never Auto
     std::vector<std::string> names;                     // [G]
     std::vector<std::vector<std::uint32_t>> of_material;  // [instances][materials of its archive], or kNoGroup
 
+    /// The group of a triangle (of the archive), or kNoGroup.
     std::uint32_t of(const Scene& scene, std::uint32_t instance, std::uint32_t triangle) const;
 };
 

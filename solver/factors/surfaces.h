@@ -10,6 +10,7 @@
 
 namespace rro {
 
+/// In place of a solid's number: none.
 inline constexpr std::uint32_t kNoSolid = 0xffffffffu;
 
 /// What blocks: sides that look the same way from one plane, of whichever groups they are.
@@ -25,6 +26,7 @@ struct GroupTriangle {
     Face face;
 };
 
+/// A scene as view factors take it; G groups.
 struct Surfaces {
     std::vector<Body> bodies;                   // every surface of the scene
     std::vector<std::vector<Polygon>> faces;    // [G] sides that exchange, by group

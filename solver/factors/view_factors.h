@@ -17,6 +17,7 @@ namespace rro {
 
 struct PreviousFactors;
 
+/// What view factors are asked for.
 struct FactorOptions {
     GroupBy by = GroupBy::Auto;
     Sides sides = Sides::Front;
@@ -85,6 +86,7 @@ using TakeRows = std::function<Status(const FactorTable& table, std::uint32_t fi
 /// Factors of all pairs. F_ij and F_ji are of independent estimates wherever something stands between. In memory are some
 /// rows, and the pairs with something between.
 ///
+/// scene     open with kGeometry
 /// progress  may be empty
 /// errors    those of surface_groups; BadInput: a group without a side that exchanges; those of `take`
 Result<FactorTable> view_factors(const Scene& scene, const FactorOptions& options, const TakeRows& take,

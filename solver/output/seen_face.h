@@ -15,6 +15,7 @@ struct SeenFace {
     double t = 0;           // along the ray's direction
 };
 
+/// origin in metres, direction of any length; both in the world.
 inline SeenFace seen_face(const Scene& scene, const SceneRays& rays, const Vec3& origin, const Vec3& direction) {
     const SceneHit hit = rays.first_hit(origin, direction);
     if (hit.instance == kNoInstance) return {};

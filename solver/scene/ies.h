@@ -30,6 +30,8 @@ struct IesDistribution {
 /// errors   BadInput: not LM-63, another type than C, a tilt that is in another file, counts beyond what the text holds,
 ///          angles that do not ascend, an intensity that is no number of at least 0, none above 0
 Result<IesDistribution> parse_ies(std::string_view text, const std::string& name);
+/// The same from a file.
+/// errors   BadInput besides: cannot be read, more than 16 MiB
 Result<IesDistribution> read_ies(const std::filesystem::path& path);
 
 }  // namespace rro

@@ -36,6 +36,7 @@ class Sky {
     /// Of light that comes from this direction, W/(m^2 sr).
     Vec3 radiance(const Vec3& from) const;
 
+    /// A direction, chosen.
     struct Sample {
         Vec3 from;           // where the light comes from
         Vec3 radiance;       // W/(m^2 sr)
@@ -43,6 +44,7 @@ class Sky {
     };
     /// The direction that belongs to a point of the unit square. Not for a dark sky.
     Sample sample(double u, double v) const;
+    /// Of sample() for this direction, 1/sr.
     double density(const Vec3& from) const;
 
     bool dark() const { return !(total_ > 0); }
@@ -78,6 +80,7 @@ struct Sun {
     Vec3 irradiance;         // W/m^2, on a plane that faces the sun
     double angular_radius = 0;  // radians, below pi / 2; 0: all light is parallel
 
+    /// A part of the disc, chosen.
     struct Sample {
         Vec3 from;        // where the light comes from
         Vec3 irradiance;  // W/m^2 that it stands for, on a plane that faces `from`

@@ -21,6 +21,7 @@ struct MaterialOverride {
     std::optional<std::string> group = {};   // light group
 };
 
+/// One instance, as written.
 struct InstanceEntry {
     std::string name;
     std::filesystem::path archive;  // resolved against the manifest's folder
@@ -29,8 +30,9 @@ struct InstanceEntry {
     std::vector<std::pair<std::string, MaterialOverride>> materials;  // "*" first, then by name
 };
 
+/// Where pictures are taken from.
 struct CameraEntry {
-    Vec3 position{0, 0, 1}, target{0, 0, 0}, up{0, 1, 0};
+    Vec3 position{0, 0, 1}, target{0, 0, 0}, up{0, 1, 0};  // m, m, any length
     double vertical_fov = 45;          // degrees
     std::optional<double> exposure;    // stops
 };
@@ -46,6 +48,7 @@ struct SkyEntry {
     bool operator==(const SkyEntry&) const = default;
 };
 
+/// Light from infinitely far, from a disc.
 struct SunEntry {
     Vec3 direction;                  // the way light travels, unit
     Vec3 irradiance;                 // W/m^2, on a plane that faces the sun
@@ -54,11 +57,12 @@ struct SunEntry {
     bool operator==(const SunEntry&) const = default;
 };
 
+/// A lamp without extent.
 struct LightEntry {
     enum class Type { Point, Spot, Ies };
     std::string name;
     Type type = Type::Point;
-    Vec3 position;
+    Vec3 position;                  // m
     Vec3 direction{0, -1, 0};       // unit; of spot and ies
     std::optional<Vec3> intensity;  // W/sr; of ies where it is brightest, else as the file says
     double cone_degrees = 360;      // the whole opening angle of a spot
@@ -74,11 +78,12 @@ struct GroupEntry {
     std::vector<std::string> members;
 };
 
+/// A whole manifest; what is absent is not written there.
 struct Manifest {
     std::filesystem::path path;
     std::vector<InstanceEntry> instances;  // in file order
     std::optional<CameraEntry> camera;
-    std::optional<double> accuracy;
+    std::optional<double> accuracy;        // relative error, in (0, 1]
     std::optional<SkyEntry> sky = {};
     std::optional<SunEntry> sun = {};
     std::vector<LightEntry> lights = {};     // in file order

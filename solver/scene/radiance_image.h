@@ -36,6 +36,7 @@ class SkyRows {
     std::vector<Vec3> sums_;       // of the row of means under way
     std::vector<double> weights_;  // solid angles, as sums_
 };
+/// The largest sky that is kept, pixels.
 inline constexpr int kSkyWidth = 2048, kSkyHeight = 1024;
 
 // Of pictures that are read. The largest skies published have 24576 x 12288 pixels.

@@ -28,6 +28,7 @@ struct Object {
 
     const ObjectData& data() const { return archive.data(); }
 };
+/// In place of a face's number: none.
 inline constexpr std::uint32_t kNoFace = 0xffffffffu;
 
 /// The archive with its ray structure, the lookups from triangles and faces, and its pair tree.
@@ -64,6 +65,7 @@ struct Instance {
     }
 };
 
+/// A scene, ready to be solved. Immutable while it is.
 struct Scene {
     Manifest manifest;
     std::vector<std::shared_ptr<const Object>> objects;  // in the order of first use

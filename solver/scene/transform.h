@@ -15,6 +15,7 @@ struct TransformParts {
     Vec3 scale{1, 1, 1};
 };
 
+/// T R S as one map. Quarter turns are exact.
 Affine3 compose(const TransformParts& parts);
 
 /// Ratio of the largest to the smallest singular value; infinity where the matrix is singular.

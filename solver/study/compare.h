@@ -26,8 +26,10 @@ struct SolvedScene {
     Solution solution;              // seconds.load is filled in; total holds all but the load
     std::uint64_t memory = 0;       // bytes, estimated
 };
+/// Solves a manifest as `run` would.
 using SolveOnce = std::function<Result<SolvedScene>(const Manifest&)>;
 
+/// What `compare` is asked for.
 struct CompareOptions {
     std::filesystem::path base, head;             // folders of archives
     int runs = 5;                                 // measured ones of each, interleaved, after one of each that is not
@@ -35,6 +37,7 @@ struct CompareOptions {
     std::optional<double> fail_if_differs = {};   // relative RMS of reflected radiosity
 };
 
+/// About the times of a phase.
 enum class Verdict { Same, Faster, Slower };  // Same: the noise hides what difference there is
 
 /// Wall times of a phase over the runs.
@@ -70,6 +73,7 @@ struct Making {
     std::string what, base, head;  // tables, compiler
 };
 
+/// All that `compare` finds.
 struct Comparison {
     std::string scene;
     CompareOptions options;
@@ -84,7 +88,9 @@ struct Comparison {
     bool passed() const { return !too_slow && !too_different; }
 };
 
+/// Of neighbouring runs, s: as many of the base as of the head.
 PhaseTimes phase_times(std::string phase, const std::vector<double>& base, const std::vector<double>& head);
+/// Of two solutions of one manifest with two versions of its archives.
 RadiosityDifference radiosity_difference(const SolvedScene& base, const SolvedScene& head);
 
 /// Runs base, head, base, head ... and compares. Too slow: the ratio of total medians is above the threshold and the
@@ -94,9 +100,11 @@ RadiosityDifference radiosity_difference(const SolvedScene& base, const SolvedSc
 Result<Comparison> compare_archives(const Manifest& manifest, const CompareOptions& options, const SolveOnce& solve,
                                     const Progress& progress = {});
 
-/// For the terminal, for programs, for a merge request.
+/// As text for the terminal.
 std::string comparison_text(const Comparison& comparison);
+/// The same as JSON.
 std::string comparison_json(const Comparison& comparison);
+/// The same as Markdown.
 std::string comparison_markdown(const Comparison& comparison);
 
 }  // namespace rro

@@ -11,6 +11,7 @@
 
 namespace rro {
 
+/// What the hierarchical method is asked for.
 struct HierarchicalOptions {
     double accuracy = 0.02;                          // error aimed at; decides how much power a link may carry
     bool colour = true;                              // three channels, else one

@@ -23,6 +23,7 @@ struct QuadElement {
     std::uint32_t level = 0;                    // 0: the whole face
 };
 
+/// A face of the scene.
 struct QuadFace {
     std::uint32_t instance = 0, face = 0;  // of the archive
     SceneTriangle triangle;
@@ -43,6 +44,7 @@ struct QuadElements {
 
 /// How two elements lie to one another's planes.
 enum class Facing { None, Partly, Whole };
+/// None: one of them lies behind the other's plane. Partly: a plane cuts the other.
 Facing facing(const QuadElements& all, const QuadElement& a, const QuadElement& b);
 
 }  // namespace rro

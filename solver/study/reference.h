@@ -9,6 +9,7 @@
 
 namespace rro {
 
+/// What the reference is asked for.
 struct ReferenceOptions {
     double accuracy = 0.02;     // stop when the area-weighted relative standard error of R is below it
     std::uint32_t samples = 0;  // paths per face; 0: as many as `accuracy` needs
@@ -23,6 +24,7 @@ struct ReferenceOptions {
 ///
 /// returns  radiosity, irradiance and standard error per face; estimated_error is the relative standard error reached. What
 ///          sky, sun and lights emit is counted where it arrives at faces; what a medium takes is absorbed
+/// errors   none
 Result<Solution> solve_reference(const Scene& scene, const ReferenceOptions& options, const Progress& progress = {});
 
 }  // namespace rro

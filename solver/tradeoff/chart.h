@@ -6,6 +6,7 @@
 
 namespace rro {
 
+/// A point of a curve.
 struct Mark {
     double x = 0, y = 0;            // above 0
     double x_low = 0, x_high = 0;   // bars; none where equal
@@ -30,6 +31,7 @@ struct Level {
     std::string name;
 };
 
+/// A chart of curves over two logarithmic axes.
 struct Chart {
     std::string id, title, description;  // read aloud
     std::string x_name, y_name;

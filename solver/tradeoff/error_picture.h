@@ -19,11 +19,10 @@ inline constexpr double kLeastShownError = 0.003, kMostShownError = 3;
 /// The colour of an error, sRGB codes. Lightness grows with the error, so it reads without colours, too.
 std::array<std::uint8_t, 3> error_colour(double error);
 
-/// A PNG of the scene as its camera (or one that is chosen) sees it, each face in the colour of its error. Grey is where no
-/// face is seen.
+/// A PNG of the scene as its camera (or one that is chosen) sees it, each face in the colour of its error ([instances][F], as
+/// face_errors gives them). Grey is where no face is seen.
 ///
-/// errors   [instances][F], as face_errors gives them
-/// returns  Failed: cannot be written
+/// errors   Failed: cannot be written
 Status write_error_picture(const Scene& scene, const Solution& solution, const std::vector<std::vector<float>>& errors,
                            const std::filesystem::path& path);
 

@@ -6,6 +6,7 @@
 
 namespace rro {
 
+/// This machine, as far as times depend on it.
 struct MachineFacts {
     std::string processor;        // as the system names it
     unsigned cores = 0;           // that this process may use
@@ -17,6 +18,7 @@ struct MachineFacts {
     std::string compiler;         // that built it, and whether assertions are on
 };
 
+/// As it is now.
 MachineFacts machine_facts();
 
 /// SHA-256 of the running program's file, or empty: times of another build are not this one's.

@@ -12,6 +12,7 @@
 
 namespace rro {
 
+/// What is kept of a solve.
 struct RunRecord {
     std::string failed;     // why there is no result; all else is 0 then
     PhaseSeconds seconds;   // load is filled in, total holds it too; output is 0
@@ -22,10 +23,11 @@ struct RunRecord {
     std::uint64_t rays = 0;
 };
 
+/// Writes it as a JSON file.
 /// errors   Failed: cannot be written
 Status write_run(const RunRecord& run, const std::filesystem::path& path);
 
-/// Nothing where there is no such file, or one that is no run: it is run again then.
+/// Reads such a file. Nothing where there is none, or one that is no run: it is run again then.
 std::optional<RunRecord> read_run(const std::filesystem::path& path);
 
 }  // namespace rro

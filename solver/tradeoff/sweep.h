@@ -12,6 +12,7 @@
 
 namespace rro {
 
+/// What is to be swept.
 struct SweepOptions {
     std::vector<double> accuracies = {0.3, 0.2, 0.1, 0.05};  // each in (0, 1]
     std::vector<Method> methods = {Method::Reusable, Method::Hierarchical, Method::Reference};
@@ -30,6 +31,7 @@ struct Trial {
 
 /// "hierarchical at 0.1", "reusable at 0.1, grid 6".
 std::string name_of(const Trial& trial);
+/// The word on the command line.
 std::string name_of(Method method);
 
 /// A knob that is not swept, or a library that is not, and why.
@@ -37,6 +39,7 @@ struct NotSwept {
     std::string what, why;
 };
 
+/// All that is to be run.
 struct Sweep {
     std::vector<Trial> trials;  // from rough to fine; knobs last
     double knobs_at = 0;        // accuracy

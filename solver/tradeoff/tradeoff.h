@@ -19,6 +19,7 @@
 
 namespace rro {
 
+/// What `tradeoff` is asked for.
 struct TradeoffOptions {
     SweepOptions sweep;
     std::filesystem::path out;             // folder of results; made where it is missing
@@ -48,6 +49,7 @@ struct Point {
     Timing seconds() const;         // load and solve
 };
 
+/// All that `tradeoff` finds.
 struct Tradeoff {
     std::string scene;
     std::size_t triangles = 0, instances = 0;
@@ -64,7 +66,7 @@ struct Tradeoff {
 /// Runs what is missing. Order: all trials once from rough to fine, then all again, `repeats` times in all, so that other
 /// work on the machine meets all alike. A run that fails (an effect that the method lacks, more memory than allowed) is a
 /// point without result. Runs are found again where the program, the machine, the scene, its archives, the options and the
-/// truth are the same.
+/// truth are the same; the truth itself where version, scene, archives and samples are.
 ///
 /// errors   those of plan_sweep and read_truth; Failed: the folder cannot be written to
 Result<Tradeoff> measure_tradeoff(const Manifest& manifest, const TradeoffOptions& options, const SolveTrial& solve,
@@ -82,6 +84,7 @@ std::optional<std::size_t> knee_of(const std::vector<std::array<double, 2>>& poi
 /// errors   Failed: cannot be written
 Status write_tradeoff(const Tradeoff& tradeoff);
 
+/// The three files' contents.
 std::string tradeoff_csv(const Tradeoff& tradeoff);
 std::string tradeoff_json(const Tradeoff& tradeoff);
 std::string tradeoff_html(const Tradeoff& tradeoff);

@@ -32,7 +32,8 @@ struct Truth {
 /// scene    with Section::Source
 Truth truth_of(const Scene& scene, const Solution& reference);
 
-/// The columns of a radiosity CSV (output.h) without irradiance, and `back_stderr_*` at the end.
+/// Writes the columns of a radiosity CSV (output.h) without irradiance, and `back_stderr_*` at the end.
+/// errors   Failed: cannot be written
 Status write_truth(const Truth& truth, const std::filesystem::path& path);
 
 /// Reads that, or the CSV that `rro-solve run --method reference --radiosity` writes: it says nothing of the standard errors of
@@ -49,6 +50,7 @@ struct MeasuredError {
     std::string worst_instance;  // of those with 0.1 % of the reflected power; empty where there is no light
     double worst_error = 0;      // its own error
 };
+/// Over all faces of the scene.
 MeasuredError measure_error(const Scene& scene, const Solution& solution, const Truth& truth);
 
 /// The truth's own relative standard error, area-weighted.

@@ -43,6 +43,7 @@ Solution sum_of_light(const Solution& base, const Solution& light, double times)
 /// differ, too, or groups have other names.
 std::vector<std::uint32_t> changed_groups(const Scene& before, const Scene& after);
 
+/// Does any surface of the group emit?
 bool shines(const Scene& scene, std::uint32_t group);
 
 /// How many times brighter all surfaces of a group are than in another scene, where it shines; none where they differ in

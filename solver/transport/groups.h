@@ -10,6 +10,7 @@
 
 namespace rro {
 
+/// Two groups or instances taken together.
 struct Group {
     std::array<std::uint32_t, 2> child;  // below groups.size(): a group; else groups.size() + instance
     std::uint32_t first = 0, count = 0;  // its members lie in a row
@@ -17,6 +18,7 @@ struct Group {
     bool operator==(const Group&) const = default;
 };
 
+/// All groups of a scene.
 struct GroupTree {
     std::vector<Group> groups;           // preorder, the root first; empty where instances are few
     std::vector<std::uint32_t> members;  // instances in the order of the leaves; empty without groups

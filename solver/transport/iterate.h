@@ -10,6 +10,7 @@
 
 namespace rro {
 
+/// How far sweeps have come.
 struct Residual {
     int sweeps = 0;
     double relative = 0;  // ||r|| / ((1 - q) ||R||), q the ratio of the last two sweeps' ||r||

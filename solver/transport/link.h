@@ -11,6 +11,7 @@
 
 namespace rro {
 
+/// In place of a stored pair's number: none.
 inline constexpr std::uint32_t kNotStored = 0xffffffffu;
 
 /// Two nodes that may exchange light; a == b: within one node.
@@ -73,6 +74,7 @@ inline constexpr double kShadowWithinFace = 0.12;
 /// How far errors of links at one node agree in sign.
 inline constexpr double kAgreement = 0.25;
 
+/// What becomes of a pair: nothing passes, a link, a division of an end, or to be asked again when there is light.
 struct Verdict {
     enum class Action : std::uint8_t { Drop, Accept, SplitA, SplitB, Pending };
     Action action = Action::Drop;

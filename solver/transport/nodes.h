@@ -16,6 +16,7 @@
 
 namespace rro {
 
+/// In place of a node's number: none.
 inline constexpr std::uint32_t kNoNode = 0xffffffffu;
 
 /// What a node may be at the end of a link.
@@ -26,6 +27,7 @@ enum class NodeKind : std::uint8_t {
     Cluster,  // too small for bins, too round to be flat: never an end, always split
 };
 
+/// One node, in the world.
 struct Node {
     Vec3 centre;                    // area-weighted centroid, world
     Box3 box;                       // world
@@ -80,6 +82,7 @@ struct InstanceNodes {
 /// An element's corners within its face, barycentric.
 using ElementCorners = std::array<std::array<float, 2>, 3>;
 
+/// The forest. Keeps a reference to the scene.
 class Nodes {
   public:
     explicit Nodes(const Scene& scene);

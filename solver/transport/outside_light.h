@@ -10,6 +10,7 @@
 
 namespace rro {
 
+/// The irradiance of leaf surfaces, and how sure it is.
 class OutsideLight {
   public:
     /// Keeps references. Does nothing, and costs nothing, where the plan calls for none of the three.

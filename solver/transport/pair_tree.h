@@ -14,6 +14,7 @@ namespace rro {
 /// What became of a pair.
 enum class PairFate : std::uint8_t { Open, Dropped, Pending, Linked, SplitA, SplitB, Gone };
 
+/// One pair that was judged.
 struct PairRecord {
     std::uint32_t a = 0, b = 0, stored = kNotStored;  // as in Pair
     std::uint32_t at = 0;     // Linked: number of the link; split: the first of the pairs below, which lie in a row

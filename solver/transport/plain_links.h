@@ -69,6 +69,7 @@ class PlainLinker {
     bool within_instances_;
 };
 
+/// The links of a scene, and the pairs that may become links.
 struct PlainLinks {
     std::vector<PlainLink> links;
     std::vector<PlainPair> waiting;  // no light yet, or too little within a node

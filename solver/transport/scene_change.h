@@ -8,6 +8,7 @@
 
 namespace rro {
 
+/// The difference; numbers are of the state after where nothing else is said.
 struct SceneChange {
     static constexpr std::uint32_t kPlaced = 0xffffffffu;
 

@@ -13,6 +13,7 @@
 
 namespace rro {
 
+/// What the reusable method is asked for.
 struct TransportOptions {
     double accuracy = 0.02;  // area-weighted relative RMS error of the reflected radiosity
     std::uint64_t seed = 1;
@@ -29,6 +30,7 @@ struct LinkChange {
 /// The result does not depend on the number of threads.
 ///
 /// returns  radiosity and irradiance per face and element; `converged` tells whether the estimate met the accuracy
+/// errors   none
 Result<Solution> solve_reusable(const Scene& scene, const Plan& plan, const TransportOptions& options,
                                 const Progress& progress = {});
 

@@ -1,3 +1,4 @@
+// Reciprocals of directions, for slab tests.
 #pragma once
 
 #include "format/geometry.h"

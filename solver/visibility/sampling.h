@@ -60,6 +60,7 @@ struct Tally {
     bool unanimous() const { return passed == 0 || passed == rays; }
 };
 
+/// Point `index` of the unit hypercube.
 std::array<float, 4> line_point(LinePoints points, std::uint32_t index, std::uint64_t seed);
 
 /// Asks the next lines of the sequence, up to number `end`.
@@ -81,7 +82,9 @@ void extend(Tally& tally, const Shaft& shaft, LinePoints points, std::uint32_t e
 
 /// The number of lines after the next round; `drawn` where there is none.
 std::uint32_t next_round(const Demand& demand, std::uint32_t drawn);
+/// Is the rule content?
 bool suffices(const Demand& demand, const Tally& tally);
+/// What the rays so far are worth.
 Transmittance outcome(const Demand& demand, const Tally& tally);
 
 /// Rounds until the rule is content.

@@ -15,6 +15,7 @@
 
 namespace rro {
 
+/// In place of an instance's number: none.
 inline constexpr std::uint32_t kNoInstance = 0xffffffffu;
 
 /// A triangle of the scene.
@@ -23,6 +24,7 @@ struct SceneTriangle {
     std::uint32_t triangle = kNoTriangle;
 };
 
+/// What a ray meets first.
 struct SceneHit {
     std::uint32_t instance = kNoInstance;  // kNoInstance: nothing was hit
     std::uint32_t triangle = kNoTriangle;  // of the archive

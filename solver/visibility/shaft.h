@@ -21,7 +21,9 @@ struct ShaftEnd {
     double height = 0;
 };
 
+/// The points of a box.
 ShaftEnd box_end(const Box3& box);
+/// The points of a triangle.
 ShaftEnd triangle_end(const TriangleCorners& corners);
 /// The parallelogram of two sides about its centre.
 ShaftEnd parallelogram_end(const Vec3& centre, const Vec3& side, const Vec3& other);
@@ -34,6 +36,7 @@ struct Segment {
     std::array<std::uint32_t, 2> passed{kNoInstance, kNoInstance};  // instances that this line passes through
 };
 
+/// Two ends and the lines between them.
 struct Shaft {
     ShaftEnd a, b;
     std::array<std::uint32_t, 2> passed{kNoInstance, kNoInstance};  // instances that no line of it meets
@@ -59,6 +62,7 @@ struct CrossSection {
     double wide = 0, narrow = 0;  // full widths along them
     double area() const { return wide * narrow; }
 };
+/// In the frame of the shaft; nearest_to is a point of that frame.
 CrossSection cross_section(const LocalShaft& shaft, const Vec3& nearest_to);
 
 }  // namespace rro

@@ -11,6 +11,7 @@
 
 namespace rro {
 
+/// How tables answer.
 struct TableOptions {
     // A volume's probability answers for it where the area that may be missed, its projected area times (1 - hit
     // probability), is at most this share of the shaft's cross-section.

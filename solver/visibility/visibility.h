@@ -5,7 +5,7 @@
 //   atlas    no lines: the objects' stored silhouettes under the shaft's cross-section, where it is wide enough (atlas.h);
 //            rays elsewhere
 //   none     nothing is in the way
-//   auto     the cheapest whose own estimate of its error fits what is asked
+//   auto     silhouettes where they are cheaper than rays and sure enough, else rays. (Links take `auto` for rays: link.h)
 #pragma once
 
 #include <cstddef>
@@ -22,6 +22,7 @@
 
 namespace rro {
 
+/// As above: --visibility.
 enum class VisibilityMethod { Auto, Atlas, Tables, Rays, None };
 
 /// Sections of an archive that a method cannot do without.
