@@ -1,5 +1,5 @@
 # What the build, the tests and the samples need on Debian 12 (bookworm). Sourced by samples/quickstart.sh,
-# tests/run.sh and tests/fuzz/run.sh.
+# samples/furniture_room.sh, tests/run.sh and tests/fuzz/run.sh.
 
 RRO_PACKAGES=(cmake ninja-build g++ libembree-dev libopenmesh-dev catch2 nlohmann-json3-dev libcli11-dev libvalijson-dev
               libtinygltf-dev libtinyobjloader-dev libtbb-dev libopenexr-dev libpng-dev libjpeg62-turbo-dev zlib1g-dev libssl-dev

@@ -76,7 +76,7 @@ static_assert(sizeof(Volume) == 36);
 /// A material of the source, with what the mesh's own files say about it.
 struct Material {
     std::string name;
-    Vec3 reflectance{0.5, 0.5, 0.5};  // per channel, [0, 0.95]
+    Vec3 reflectance{0.5, 0.5, 0.5};  // per channel, [0, 1); textures averaged
     Vec3 exitance;                    // W/m^2
     bool textured = false;            // patches carry their own reflectance
 };
