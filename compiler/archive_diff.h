@@ -35,6 +35,7 @@ struct ArchiveIdentity {
     std::string content;  // SHA-256 of the file
 };
 
+/// All that differs.
 struct ArchiveDiff {
     bool same = false;    // both have the same sections, and each holds the same payload after decompression
     std::string summary;  // why they differ, in a few words

@@ -21,6 +21,7 @@ void compare_geometry(const ObjectData& a, const ObjectData& b, const TrianglePa
 /// Materials by name, those of one name in order, and the triangles that changed theirs.
 void compare_materials(const ObjectData& a, const ObjectData& b, const TrianglePairs& triangles, Changes& out);
 
+/// In place of a patch's number: none.
 inline constexpr std::uint32_t kNoPatch = 0xffffffffu;
 
 /// What the trees of both versions have in common.
@@ -29,6 +30,7 @@ struct TreeMatch {
     std::size_t matched = 0;                // of those, not kNoPatch
     bool same_clusters = false;             // the same patches in the same order under the same clusters
 };
+/// By the faces of patches, through pairs of triangles.
 TreeMatch match_trees(const ObjectData& a, const ObjectData& b, const TrianglePairs& triangles);
 
 /// Patches under textures that reflect otherwise; those that both have.

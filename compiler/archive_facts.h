@@ -39,6 +39,7 @@ struct ClosureDefect {
     double mean = 0, rms = 0;  // over the area
     double largest = 0;        // of one patch, absolute
 };
+/// Of all patches together.
 ClosureDefect closure_defect(const ObjectData& data);
 
 /// The shortest text that reads back as the same double.

@@ -49,10 +49,10 @@ struct BuildPlan {
     std::string options;  // canonical text of all that decides an archive's bytes, table version included
 };
 
-/// errors   Usage: a value out of range, an option this version does not support, several meshes for one FILE, two
-/// equal
-///          stems, an archive that would overwrite a mesh; Failed: DIR cannot be made, or the
-///          folder of an output is missing
+/// Checks a request and makes the folder of its archives.
+///
+/// errors   Usage: a value out of range or unknown, several meshes for one FILE, two equal stems, an archive that would
+///          overwrite a mesh; Failed: DIR cannot be made, or the folder of an output is missing
 Result<BuildPlan> plan_build(const BuildRequest& request);
 
 /// What became of one mesh.

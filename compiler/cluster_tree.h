@@ -31,6 +31,7 @@ struct ClusterWeights {
     double size = 0.25;
 };
 
+/// A node of the tree.
 struct ClusterNode {
     std::uint32_t first_patch, patch_count;  // into ClusterTree::patch_order
     std::uint32_t right_child;               // 0 for a leaf

@@ -16,6 +16,7 @@
 
 namespace rro {
 
+/// What decides an archive's content besides the mesh.
 struct CompileOptions {
     std::uint32_t grid_size = 12;
     GridMap grid_map = GridMap::Octahedral;

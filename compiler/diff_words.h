@@ -17,7 +17,9 @@ std::string number(double value, int digits = 4);
 
 /// "0.5 -> 0.25", with as many digits as it takes to tell them apart.
 std::string from_to(double before, double after);
+/// The same.
 std::string from_to(const Vec3& before, const Vec3& after);
+/// The same.
 std::string from_to(std::uint64_t before, std::uint64_t after);
 
 /// Adds the change of a number, if it is one: "WHAT: 1 -> 2".
@@ -26,6 +28,7 @@ void compare_number(const std::string& group, const std::string& kind, const std
                     std::vector<Change>& out) {
     if (before != after) out.push_back({group, kind, what, before, after, {}, what + ": " + from_to(before, after)});
 }
+/// The same for counts.
 inline void compare_count(const std::string& group, const std::string& kind, const std::string& what, std::uint64_t before,
                           std::uint64_t after, std::vector<Change>& out) {
     compare_number(group, kind, what, before, after, out);

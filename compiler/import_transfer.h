@@ -11,6 +11,7 @@
 
 namespace rro {
 
+/// A mesh, or why there is none, as bytes.
 std::string encode_import(const Result<ImportedMesh>& imported);
 
 /// None where the bytes are not all that encode_import has written.

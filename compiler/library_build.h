@@ -21,8 +21,7 @@ struct LibraryRequest {
 
 /// One plan per object of the library, in its order, each with one target that is built if it has changed.
 ///
-/// errors   BadInput, naming file and JSON pointer: not there, not JSON, comments, unknown key, wrong type, a value out
-/// of
+/// errors   BadInput, naming file and JSON pointer: not there, not JSON, comments, unknown key, wrong type, a value out of
 ///          range, a repeated or empty name, `/` in a name, an archive that would overwrite its mesh; Failed: the
 ///          folder cannot be made, or that of an output is missing
 Result<std::vector<BuildPlan>> plan_library(const LibraryRequest& request);

@@ -24,6 +24,7 @@ struct ImportLimits {
     std::uint64_t polygon_steps = std::uint64_t{1} << 31;    // comparisons of corners while polygons are cut up
 };
 
+/// How a source is read.
 struct ImportOptions {
     double unit = 1;                        // metres per source unit (m 1, cm 0.01, mm 0.001, in 0.0254)
     bool z_up = false;                      // maps (x, y, z) to (x, z, -y)
@@ -31,6 +32,7 @@ struct ImportOptions {
     ImportLimits limits;
 };
 
+/// Which triangles reflect on both sides: --two-sided.
 enum class TwoSided { Auto, Yes, No };
 
 /// What was dropped, merged or assumed. Counts are of source triangles where nothing else is said.
@@ -56,6 +58,7 @@ struct ImportReport {
     std::vector<std::filesystem::path> absent;  // files looked for in vain; with them the mesh may be another
 };
 
+/// A mesh, and what came of its files.
 struct ImportedMesh {
     Mesh mesh;
     ImportReport report;

@@ -11,6 +11,7 @@
 
 namespace rro {
 
+/// The triangles of one polygon.
 struct PolygonTriangles {
     std::vector<std::array<std::uint32_t, 3>> triangles;  // k - 2 corner triples, wound as the polygon
     bool ear_clipped = false;

@@ -17,6 +17,7 @@ std::optional<double> parse_real(std::string_view word);
 /// A whole decimal number; none for anything else.
 std::optional<std::int64_t> parse_integer(std::string_view word);
 
+/// Without blanks and tabs at its ends.
 std::string_view trimmed(std::string_view text);
 
 /// The text behind its UTF-8 byte order mark, if it has one.

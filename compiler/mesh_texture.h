@@ -20,6 +20,7 @@ struct Texture {
     Vec3 mean;                      // of the whole image, linear
 };
 
+/// What lies beyond the image's edges.
 enum class TextureWrap { Repeat, Mirror, Clamp };
 
 /// How a material uses a texture. The image spans the unit square, (0, 0) is its top left corner.

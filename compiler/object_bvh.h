@@ -9,6 +9,7 @@
 
 namespace rro {
 
+/// The tree as ObjectData stores it.
 struct ObjectBvh {
     std::vector<Volume> volumes;           // preorder, left child = own index + 1
     std::vector<std::uint32_t> triangles;  // [T] leaf order; a volume's are volumes[i].first .. + count

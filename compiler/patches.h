@@ -9,6 +9,7 @@
 
 namespace rro {
 
+/// What a patch may be.
 struct PatchLimits {
     double largest_area = 0;          // m^2; a face larger than this is a patch alone
     double cone_cosine = 0.8;         // smallest cosine between a patch's mean normal and its faces'

@@ -14,7 +14,9 @@ namespace rro {
 struct FaceRange {
     std::uint32_t begin, end;
 };
+/// The faces of each patch. [P]
 std::vector<FaceRange> patch_ranges(const ObjectData& object);
+/// The faces of each of these clusters. [K]
 std::vector<FaceRange> cluster_ranges(const ObjectData& object, std::span<const std::uint32_t> clusters);
 
 /// Counts of P patches, of K clusters and of the whole object over D directions.
