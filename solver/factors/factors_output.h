@@ -55,7 +55,7 @@ class FactorsFile {
 Status write_factors(const Factors& factors, std::optional<double> threshold, bool closed,
                      const std::filesystem::path& path);
 
-/// What was done, as JSON: closure and reciprocity first, before and after `--close`.
+/// What was done, as JSON: closure and reciprocity first, as before `--close`, and what that moved.
 /// It follows schemas/factors_report.schema.json.
 /// errors   Failed: cannot be written
 Status write_factors_report(const FactorTable& factors, const std::optional<Closing>& closing, const FactorSeconds& seconds,
