@@ -25,8 +25,8 @@ constexpr int kDirectRounds = 1;
 constexpr double kFirstShare = 1.0 / 1000;
 constexpr double kCoarseAccuracy = 0.3;
 constexpr int kInstanceRounds = 1;  // for single instances that err too much, while the scene does not
-// Where edits have moved more than this part of the surface, or links have become more than this many times those of the
-// last solve from scratch, there is nothing left to be saved.
+// Where edits have moved more than this part of the scene (by the squared diagonals of its instances' boxes), or links have
+// become more than this many times those of the last solve from scratch, there is nothing left to be saved.
 constexpr double kMostMoved = 0.5, kMostGrowth = 1.5;
 // Elements that links need no more stay until there are this many times the nodes of the last time they were looked for.
 constexpr double kMostElements = 1.2;
