@@ -54,7 +54,8 @@ Result<VisibilityMethod> parse_visibility(std::string_view name);
 /// progress  may be empty
 /// returns   radiosity and irradiance of every face in W/m^2, instances as in the scene; effects, warnings, and the seconds of
 ///           plan and solve (those of load and output are the caller's; total is plan and solve). `converged` is false where
-///           the accuracy was not reached; the solution is there all the same
+///           the accuracy was not reached (not of the reference where samples are asked for, nor of the hierarchical method: they
+///           are done when all is done); the solution is there all the same
 /// errors    those of plan_effects. Usage: options or effects that the method does not know. Failed: the hierarchical method
 ///           needs more memory than options.memory
 /// source    the reusable method: Paper; the others: their headers in solver/study
