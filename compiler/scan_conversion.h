@@ -51,8 +51,8 @@ void for_each_span(const std::array<ImagePoint, 3>& t, std::uint32_t columns, st
     if (low.y > middle.y) std::swap(low, middle);
     if (middle.y > high.y) std::swap(middle, high);
     if (low.y > middle.y) std::swap(low, middle);
-    // Always from the lower end of an edge, so that both triangles at it compute the same crossings.
-    const auto slope = [](const ImagePoint& a, const ImagePoint& b) { return (b.x - a.x) / (b.y - a.y); };
+    // Always from the lower end of an edge, so that both triangles at it compute the same crossings. No row meets a level edge.
+    const auto slope = [](const ImagePoint& a, const ImagePoint& b) { return b.y > a.y ? (b.x - a.x) / (b.y - a.y) : 0.0; };
     const double to_high = slope(low, high), to_middle = slope(low, middle), from_middle = slope(middle, high);
     const double last = std::min(first_row(high.y), static_cast<double>(rows));
     for (double row = std::max(0.0, first_row(low.y)); row < last; ++row) {

@@ -7,11 +7,12 @@ namespace rro {
 namespace {
 
 constexpr float kClose = 0.5f;     // own links below that are no sign of something close; a row beyond 1 is noise
-constexpr float kMostRow = 1.05f;  // rows that are a little above 1 are as many as those a little below
+constexpr float kMostRow = 1.15f;  // of a face: rows that are a little above 1 are as many as those a little below
+constexpr float kMostElementRow = 1.05f;
 
-/// What is left of what a surface inherits where its own links bring so much that something hides the rest.
-float bounded_scale(float own, float inherited) {
-    return own > kClose && inherited > 0 && own + inherited > kMostRow ? std::max(0.0f, 1 - own) / inherited : 1.0f;
+/// How much of what a surface inherits something must hide, because its own links bring so much.
+double hidden_share(float own, float inherited) {
+    return own > kClose && inherited > 0 && own + inherited > kMostRow ? double(std::min(inherited, own + inherited - 1)) : 0.0;
 }
 
 }  // namespace
@@ -63,8 +64,46 @@ void PushDown<C>::push_faces(std::uint32_t instance, Push what, const Passage<C>
         }
         add_slope(inherited_, id);
         for (std::size_t c = 0; c < C; ++c) from[c] = std::max(0.0f, from[c]);
-        if (what == Push::BoundRows) scale_[id] = bounded_scale(irradiance[id * C], from[0]);
-        add_inherited(irradiance, id, from);
+    }
+    if (what == Push::BoundRows) share_out_faces(instance, irradiance);
+    for (std::uint32_t id = first; id < first + faces; ++id) add_inherited(irradiance, id, &inherited_[id * C]);
+}
+
+// Nodes above a face know what they receive in all, not which of their faces are hidden from it: what is taken from those goes to
+// others below the same node, the lowest one that has room.
+template <int C>
+void PushDown<C>::share_out_faces(std::uint32_t instance, const std::vector<float>& irradiance) {
+    const InstanceNodes& in = nodes_.instance(instance);
+    const auto end = in.first_face + static_cast<std::uint32_t>(nodes_.scene().instances[instance].data().faces.size());
+    std::vector<double> over(end - in.first_cluster, 0), room(over), taken(over);  // of nodes from the first cluster on, m^2
+    for (std::uint32_t id = end; id-- > in.first_cluster;) {
+        const std::uint32_t n = id - in.first_cluster;
+        const Node& node = nodes_[id];
+        if (id >= in.first_face) {
+            const float own = irradiance[id * C], inherited = inherited_[id * C];
+            const double hidden = hidden_share(own, inherited);
+            scale_[id] = hidden > 0 ? static_cast<float>(1 - hidden / double(inherited)) : 1.0f;
+            over[n] = node.area * hidden;
+            if (inherited > 0 && hidden == 0) room[n] = node.area * std::max(0.0, 1 - double(own) - double(inherited));
+        } else if (over[n] > 0 && room[n] > 0) {
+            const double given = std::min(over[n], room[n]);
+            taken[n] = given / room[n];
+            over[n] -= given;
+            room[n] -= given;
+        }
+        if (node.parent == kNoNode || nodes_[node.parent].group()) continue;
+        over[node.parent - in.first_cluster] += over[n];
+        room[node.parent - in.first_cluster] += room[n];
+    }
+    for (std::uint32_t id = in.first_cluster; id < end; ++id) {  // parts of the room that nodes above have taken, too
+        const std::uint32_t n = id - in.first_cluster;
+        const Node& node = nodes_[id];
+        if (node.parent != kNoNode && !nodes_[node.parent].group()) {
+            const double left = 1 - taken[node.parent - in.first_cluster];
+            taken[n] = 1 - (1 - taken[n]) * left;
+        }
+        if (id >= in.first_face && room[n] > 0)
+            scale_[id] += static_cast<float>(room[n] * taken[n] / (node.area * double(inherited_[id * C])));
     }
 }
 
@@ -116,7 +155,7 @@ void PushDown<C>::share_out(std::uint32_t parent, const std::vector<float>& irra
     double sum = 0, over = 0, room = 0;
     const auto row = [&](std::uint32_t id) { return irradiance[id * C] + inherited_[id * C] + inherited; };
     for (std::uint32_t id = n.first_child; id < n.first_child + n.child_count; ++id) sum += double(row(id));
-    const double most = std::max(double(kMostRow), sum / n.child_count);
+    const double most = std::max(double(kMostElementRow), sum / n.child_count);
     const auto each = [&](const auto& visit) {
         for (std::uint32_t id = n.first_child; id < n.first_child + n.child_count; ++id) visit(id, most - double(row(id)));
     };

@@ -32,6 +32,7 @@ class PushDown {
     void push_elements(const InstanceNodes& in, Push what, const Passage<C>& light, std::vector<float>& irradiance);
     void add_slope(std::vector<float>& to, std::uint32_t id) const;
     void add_inherited(std::vector<float>& irradiance, std::uint32_t id, const float* from) const;
+    void share_out_faces(std::uint32_t instance, const std::vector<float>& irradiance);
     void gather_rows(const InstanceNodes& in, const std::vector<float>& irradiance);
     void share_out(std::uint32_t parent, const std::vector<float>& irradiance);
 

@@ -93,6 +93,30 @@ TEST_CASE("a hole of a thousandth, and a post of a thousandth", "[stability][sam
     }
 }
 
+TEST_CASE("ends within an object's hull", "[stability][sampling]") {
+    // Between two squares amid a hollow object is nothing of it, although every line through them goes on to meet it: tables know
+    // of whole lines.
+    const std::vector<std::pair<std::string, Mesh>> hollow{
+        {"a hollow ball", make_sphere(3)}, {"a hollow box", make_box(2, 2, 2, 3)}, {"the hole of a torus", make_torus(24, 12, 1, 0.2)}};
+    for (const auto& [name, mesh] : hollow) {
+        const Scene scene = make_scene({{mesh}}, visibility_tables());
+        const SceneRays rays(scene);
+        for (const VisibilityMethod method : {VisibilityMethod::Rays, VisibilityMethod::Tables, VisibilityMethod::Atlas, VisibilityMethod::Auto}) {
+            const Visibility visibility(scene, rays, method);
+            Worst stopped;
+            std::uint64_t state = 7;
+            for (int k = 0; k < 100; ++k) {
+                // Half sides of 0.1 and centres within 0.5 stay clear of all three.
+                const auto end = [&] { return square(random_direction(state) * (0.5 * std::cbrt(uniform(state))), random_direction(state), 0.2); };
+                const Panel a = end(), b = end();
+                const Transmittance t = visibility.transmittance(shaft_between(a, b, mix64(state)), fixed_rays(16));
+                stopped.add(1 - t.mean);
+            }
+            record("sampling", "squares within " + name + ", every method", "nothing is between; share of the light stopped", 0, stopped.value());
+        }
+    }
+}
+
 TEST_CASE("solutions of a hundred seeds", "[stability][sampling]") {
     // A floor half in the shadow of a screen: what seeds differ in is what rays are asked.
     constexpr double kAccuracy = 0.2;
