@@ -33,14 +33,14 @@ double cutting_seconds(const PairWork& work, const Between& between) {
 bool look(const PairWork& work, PairScratch& scratch) {
     const Polygon& p = *scratch.facing.a;
     const Polygon& q = *scratch.facing.b;
-    make_shaft(p.corners, {-p.normal, -p.offset}, q.corners, {-q.normal, -q.offset}, scratch.shaft);
-    if (!work.blockers.reach_into(scratch.shaft, kMostBetween, true, scratch.between)) return false;
+    make_pair_hull(p.corners, {-p.normal, -p.offset}, q.corners, {-q.normal, -q.offset}, scratch.hull);
+    if (!work.blockers.reach_into(scratch.hull, kMostBetween, true, scratch.between)) return false;
     for (const std::uint32_t number : scratch.between.solids) {
         const Solid& solid = work.surfaces.solids[number];
         const auto inside = [&](const Vec3& c) { return solid.contains(c); };
         if (std::any_of(p.corners.begin(), p.corners.end(), inside) ||
             std::any_of(q.corners.begin(), q.corners.end(), inside))
-            return work.blockers.reach_into(scratch.shaft, kMostBetween, false, scratch.between);
+            return work.blockers.reach_into(scratch.hull, kMostBetween, false, scratch.between);
     }
     return true;
 }
