@@ -6,6 +6,7 @@
 
 #include "format/parallel.h"
 #include "solver/factors/obstructed.h"
+#include "solver/factors/view_factors.h"
 
 namespace rro {
 namespace {
@@ -16,7 +17,6 @@ constexpr std::uint64_t kManyPairs = 4096;         // of polygons: worth several
 constexpr std::uint64_t kMostShafts = 400'000;     // pairs of polygons looked at one by one: a second
 constexpr std::size_t kMostBetween = 48;           // blockers that are cut out
 constexpr double kSecondsForOne = 3;               // that cutting one pair of groups may take
-constexpr double kSmallFactor = 0.01;              // below it the tolerance is absolute
 constexpr double kShareOfTolerance = 0.3;          // that the rules may err by
 constexpr double kQuickly = 1e-3;  // tolerance over open exchange from where two rules that agree are believed
 
