@@ -182,7 +182,7 @@ void warn_of_import(BuildOutcome& outcome, const BuildPlan& plan, std::uint32_t 
         if (count > 0)
             outcome.warnings.push_back(std::to_string(count) + (count == 1 ? " triangle " : " triangles ") + what);
     };
-    constexpr double unlikely_small = 1e-3, unlikely_large = 1e3;  // metres: more likely another unit
+    constexpr double kUnlikelySmall = 1e-3, kUnlikelyLarge = 1e3;  // metres: more likely another unit
     const ImportReport& r = outcome.import;
     warn(r.dropped_not_finite, "dropped: a corner is not a finite number");
     warn(r.dropped_degenerate, "dropped: no area");
@@ -198,7 +198,7 @@ void warn_of_import(BuildOutcome& outcome, const BuildPlan& plan, std::uint32_t 
                                    (r.reflectance_assumed == 1 ? " material" : " materials") +
                                    " without a colour: reflectance 0.5 assumed (--reflectance, or the manifest)");
     const double size = max_component(r.extent);
-    if (size < unlikely_small || size > unlikely_large)
+    if (size < kUnlikelySmall || size > kUnlikelyLarge)
         outcome.warnings.push_back("the object extends over " + shortest(size) + " m: check --unit");
 }
 

@@ -174,7 +174,7 @@ Result<CompiledObject> compile_object(const Mesh& mesh, const CompileOptions& op
         const ObjectRays rays(object.positions, object.triangles);
         store(measure_self_links(object.data, rays), object);
         if (tables.visibility && !object.self_steps.empty())
-            store(measure_closure(object.data, rays), object);
+            store(measure_light_shares(object.data, rays), object);
     }
     report("tables", 1);
     return object;

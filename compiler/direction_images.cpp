@@ -34,7 +34,7 @@ DirectionImage fit_image(std::span<const Vec3f> positions, const Vec3& direction
 }
 
 std::vector<std::uint32_t> faces_by_side(const ObjectData& object) {
-    std::vector<std::uint32_t> table(2 * object.triangles.size(), kNoFace);
+    std::vector<std::uint32_t> table(2 * object.triangles.size(), kBlackSide);
     for (std::uint32_t f = 0; f < object.faces.size(); ++f) table[object.faces[f].packed] = f;
     return table;
 }

@@ -27,8 +27,8 @@ struct DirectionImage {
 /// direction   unit, from the object to its viewer
 DirectionImage fit_image(std::span<const Vec3f> positions, const Vec3& direction, std::uint32_t resolution);
 
-/// The face that shows each side of each triangle. [2 T]: index = Face::packed; kNoFace where that side is black.
-inline constexpr std::uint32_t kNoFace = 0xffffffffu;
+/// The face that shows each side of each triangle. [2 T]: index = Face::packed; kBlackSide where that side is black.
+inline constexpr std::uint32_t kBlackSide = 0xffffffffu;
 std::vector<std::uint32_t> faces_by_side(const ObjectData& object);
 
 }  // namespace rro

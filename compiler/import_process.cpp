@@ -23,11 +23,11 @@ namespace rro {
 namespace {
 
 #if defined(__SANITIZE_ADDRESS__)
-constexpr bool limits_memory = false;  // the sanitizer reserves terabytes of addresses
+constexpr bool kLimitsMemory = false;  // the sanitizer reserves terabytes of addresses
 #elif defined(__has_feature)
-constexpr bool limits_memory = !__has_feature(address_sanitizer);
+constexpr bool kLimitsMemory = !__has_feature(address_sanitizer);
 #else
-constexpr bool limits_memory = true;
+constexpr bool kLimitsMemory = true;
 #endif
 
 /// Exit codes of the child.
@@ -117,7 +117,7 @@ void confine(const ContainmentLimits& limits, pid_t parent) {
     sigprocmask(SIG_SETMASK, &none, nullptr);
     limit(RLIMIT_CORE, 0);
     limit(RLIMIT_CPU, limits.cpu_seconds, 1);  // where the first limit's signal does not end it, the second does
-    if (limits_memory) limit(RLIMIT_AS, mapped_bytes() + limits.memory_bytes);
+    if (kLimitsMemory) limit(RLIMIT_AS, mapped_bytes() + limits.memory_bytes);
     alarm(limits.wall_seconds);
 }
 

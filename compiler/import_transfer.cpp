@@ -141,9 +141,9 @@ class Reader {
     }
     template <class Container>
     void fill(Container& container) {
-        constexpr std::size_t bytes_each = sizeof(typename Container::value_type);
-        container.resize(length(bytes_each));
-        take(container.data(), container.size(), bytes_each);
+        constexpr std::size_t kBytesEach = sizeof(typename Container::value_type);
+        container.resize(length(kBytesEach));
+        take(container.data(), container.size(), kBytesEach);
     }
     void take(void* to, std::size_t count, std::size_t bytes_each) {
         good_ = good_ && count <= bytes_.size() / bytes_each;

@@ -1,25 +1,18 @@
 #include "compiler/inspect.h"
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <numbers>
-#include <numeric>
 #include <vector>
 
 #include "compiler/archive_facts.h"
+#include "format/source_order.h"
+#include "format/tool/csv_field.h"
+#include "format/tool/printed.h"
 
 namespace rro {
 namespace {
-
-std::string quoted_field(const std::string& text) {
-    if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-    std::string quoted = "\"";
-    for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-    return quoted + "\"";
-}
 
 nlohmann::ordered_json triple(const Vec3& v) {
     return {v.x, v.y, v.z};
@@ -146,9 +139,7 @@ nlohmann::ordered_json inspection(const Archive& archive, const std::string& nam
 
 template <class... Values>
 std::string line(const char* format, Values... values) {
-    std::array<char, 512> text;
-    std::snprintf(text.data(), text.size(), format, values...);
-    return std::string(text.data()) + "\n";
+    return printed(format, values...) + "\n";
 }
 
 }  // namespace
@@ -205,13 +196,9 @@ std::string inspection_json(const Archive& archive, const std::string& name) {
 
 std::string triangles_csv(const ObjectData& data) {
     const std::vector<std::uint32_t> material = triangle_materials(data);
-    std::vector<std::uint32_t> order(data.triangles.size());
-    std::iota(order.begin(), order.end(), 0u);
-    std::sort(order.begin(), order.end(),
-              [&](std::uint32_t a, std::uint32_t b) { return data.source_triangle[a] < data.source_triangle[b]; });
     std::string out = "triangle,material,ax,ay,az,bx,by,bz,cx,cy,cz\n";
-    for (const std::uint32_t t : order) {
-        out += std::to_string(data.source_triangle[t]) + "," + quoted_field(data.materials[material[t]].name);
+    for (const std::uint32_t t : by_source_number(data)) {
+        out += std::to_string(data.source_triangle[t]) + "," + csv_field(data.materials[material[t]].name);
         for (const Vec3& p : data.corners(t))
             for (int axis = 0; axis < 3; ++axis) out += "," + shortest(p[axis]);
         out += "\n";

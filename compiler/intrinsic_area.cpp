@@ -106,8 +106,8 @@ LineHits collect_hits(const ObjectData& object, const DirectionImage& image, std
         for (std::uint32_t column = run.begin; column < run.end; ++column) {
             const auto line = static_cast<std::uint32_t>(run.row * size + column);
             const double height = std::round(run.height_at(column) / same_height(image));
-            if (faces.toward != kNoFace) found.push_back({line, {height, true, tree.of_face[faces.toward]}});
-            if (faces.opposite != kNoFace) found.push_back({line, {height, false, tree.of_face[faces.opposite]}});
+            if (faces.toward != kBlackSide) found.push_back({line, {height, true, tree.of_face[faces.toward]}});
+            if (faces.opposite != kBlackSide) found.push_back({line, {height, false, tree.of_face[faces.opposite]}});
         }
     });
     for (const Found& f : found) ++lines.begin[f.line + 1];

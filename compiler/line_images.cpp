@@ -11,24 +11,24 @@ class FirstFaces {
     explicit FirstFaces(const DirectionImage& image)
         : first_(std::size_t{image.resolution} * image.resolution), same_(static_cast<float>(same_height(image))) {}
 
-    /// A triangle that turns a face to the viewer, or a black side (kNoFace). The greatest height is seen; of two at one
+    /// A triangle that turns a face to the viewer, or a black side (kBlackSide). The greatest height is seen; of two at one
     /// height a face before a black side, then what came first.
     void offer(std::size_t sample, std::uint32_t face, float height) {
         First& first = first_[sample];
         const bool higher = height > first.height + same_;
-        const bool beside = height > first.height - same_ && face != kNoFace && first.face == kNoFace;
+        const bool beside = height > first.height - same_ && face != kBlackSide && first.face == kBlackSide;
         if (higher || beside) first = {height, face};
     }
 
     void count(std::span<std::uint32_t> seen) const {
         for (const First& first : first_)
-            if (first.face != kNoFace) ++seen[first.face];
+            if (first.face != kBlackSide) ++seen[first.face];
     }
 
   private:
     struct First {
         float height = -std::numeric_limits<float>::infinity();
-        std::uint32_t face = kNoFace;
+        std::uint32_t face = kBlackSide;
     };
     std::vector<First> first_;
     float same_;
@@ -48,8 +48,8 @@ RunFaces faces_of(const TriangleRun& run, std::span<const std::uint32_t> face_by
 }
 
 void add_covered(const TriangleRun& run, const RunFaces& faces, LineCounts& counts) {
-    if (faces.toward != kNoFace) counts.toward[faces.toward] += run.end - run.begin;
-    if (faces.opposite != kNoFace) counts.opposite[faces.opposite] += run.end - run.begin;
+    if (faces.toward != kBlackSide) counts.toward[faces.toward] += run.end - run.begin;
+    if (faces.opposite != kBlackSide) counts.opposite[faces.opposite] += run.end - run.begin;
 }
 
 SeenAndCovered count_samples(const ObjectData& object, std::span<const std::uint32_t> face_by_side,

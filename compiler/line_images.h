@@ -65,7 +65,7 @@ void for_each_run(const ObjectData& object, const DirectionImage& image, const V
 }
 
 /// The faces that a run's triangle turns to the image's viewer and to one who looks along the same lines from the other
-/// side; kNoFace for a black side.
+/// side; kBlackSide for a black side.
 struct RunFaces {
     std::uint32_t toward, opposite;
 };

@@ -57,17 +57,17 @@ bool keep_image(tinygltf::Image* image, const int, std::string*, std::string*, i
 
 /// The document of a GLB (its first chunk), or the text itself.
 std::string_view json_of(std::string_view bytes) {
-    constexpr std::size_t length_at = 12, json_at = 20;
-    if (!bytes.starts_with("glTF") || bytes.size() < json_at) return bytes;
+    constexpr std::size_t kLengthAt = 12, kJsonAt = 20;
+    if (!bytes.starts_with("glTF") || bytes.size() < kJsonAt) return bytes;
     std::uint32_t length = 0;
-    std::memcpy(&length, bytes.data() + length_at, sizeof length);
-    return bytes.substr(json_at, length);
+    std::memcpy(&length, bytes.data() + kLengthAt, sizeof length);
+    return bytes.substr(kJsonAt, length);
 }
 
 /// How deep the document is and how much is in it, before the library makes values of it: it goes down on the stack, and
 /// takes up to 2 kB for the three bytes of an empty material.
 Status check_extent(std::string_view json, const ImportLimits& limits, const std::filesystem::path& path) {
-    constexpr std::size_t deepest = 256;
+    constexpr std::size_t kDeepest = 256;
     std::size_t depth = 0;
     std::uint64_t values = 0;
     bool in_text = false;
@@ -80,8 +80,8 @@ Status check_extent(std::string_view json, const ImportLimits& limits, const std
         }
         in_text = c == '"';
         const bool opens = c == '{' || c == '[';
-        if (opens && ++depth > deepest)
-            return bad_input(at_byte(path, i), "nested deeper than " + std::to_string(deepest) + " levels");
+        if (opens && ++depth > kDeepest)
+            return bad_input(at_byte(path, i), "nested deeper than " + std::to_string(kDeepest) + " levels");
         if ((c == '}' || c == ']') && depth > 0) --depth;
         if ((opens || c == ',') && ++values > limits.json_values)
             return bad_input(at_byte(path, i),
@@ -128,7 +128,7 @@ std::vector<std::array<std::size_t, 3>> triangles_of(int mode, std::size_t n) {
     return triangles;
 }
 
-constexpr Uv no_uv{std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
+constexpr Uv kNoUv{std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
 
 /// The numbers of one primitive, n vertices.
 struct PrimitiveData {
@@ -368,7 +368,7 @@ void GltfReader::add_corner(const PrimitiveData& data, std::uint32_t first, std:
     const std::size_t corner = mesh_.corners.size(), u = 2 * vertex, red = data.channels * vertex;
     mesh_.corners.push_back(first + static_cast<std::uint32_t>(vertex));
     if (u + 1 < data.uvs.size()) {
-        mesh_.uvs.resize(corner, no_uv);
+        mesh_.uvs.resize(corner, kNoUv);
         mesh_.uvs.push_back({data.uvs[u], data.uvs[u + 1]});
     }
     if (red + 2 < data.colours.size()) {
@@ -382,7 +382,7 @@ Result<SourceMesh> GltfReader::read(std::string_view bytes) {
     const auto tops = roots();
     if (!tops) return tops.error();
     if (auto walked = walk(*tops); !walked) return walked.error();
-    if (!mesh_.uvs.empty()) mesh_.uvs.resize(mesh_.corners.size(), no_uv);
+    if (!mesh_.uvs.empty()) mesh_.uvs.resize(mesh_.corners.size(), kNoUv);
     if (!mesh_.colours.empty()) mesh_.colours.resize(mesh_.corners.size(), Vec3{1, 1, 1});
     return std::move(mesh_);
 }

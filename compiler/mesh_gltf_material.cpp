@@ -11,7 +11,7 @@
 namespace rro {
 namespace {
 
-constexpr int most_uv_sets = 1024;  // of a primitive, whatever it is: TEXCOORD_n
+constexpr int kMostUvSets = 1024;  // of a primitive, whatever it is: TEXCOORD_n
 
 /// A number of an extension, or element `at` of an array of numbers; `otherwise` where it is absent or something else.
 double extension_number(const tinygltf::Value& extension, const std::string& key, double otherwise,
@@ -103,7 +103,7 @@ Status GltfMaterials::add_texture(const tinygltf::TextureInfo& info, SourceMater
         use.to_u = {c * su, s * sv, extension_number(value, "offset", 0, 0)};
         use.to_v = {-s * su, c * sv, extension_number(value, "offset", 0, 1)};
         const double set = extension_number(value, "texCoord", uv_set);
-        uv_set = set >= 0 && set <= most_uv_sets ? static_cast<int>(set) : -1;  // which no primitive has
+        uv_set = set >= 0 && set <= kMostUvSets ? static_cast<int>(set) : -1;  // which no primitive has
     }
     out.texture = use;
     return Done{};

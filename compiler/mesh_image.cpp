@@ -14,9 +14,9 @@ bool looks_like_tga(std::string_view bytes) {
 }  // namespace
 
 Result<Image> blank_image(std::uint64_t width, std::uint64_t height, std::uint64_t most_pixels) {
-    constexpr std::uint64_t longest = std::numeric_limits<std::uint32_t>::max();
+    constexpr std::uint64_t kLongest = std::numeric_limits<std::uint32_t>::max();
     if (width == 0 || height == 0) return bad_input("", "it has no pixels");
-    if (width > longest || height > longest || width * height > most_pixels)
+    if (width > kLongest || height > kLongest || width * height > most_pixels)
         return bad_input("", "it has " + std::to_string(width) + " x " + std::to_string(height) +
                                  " pixels, expected at most " + std::to_string(most_pixels));
     Image image{static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height), {}};

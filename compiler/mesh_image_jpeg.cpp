@@ -16,7 +16,7 @@ namespace rro {
 namespace {
 
 /// Passes over the image of a progressive file: ten are usual, and each costs as much as an image.
-constexpr int most_scans = 100;
+constexpr int kMostScans = 100;
 
 struct JpegState {
     jpeg_error_mgr calls;  // first: libjpeg knows this address
@@ -36,7 +36,7 @@ void refuse_made_up_data(j_common_ptr jpeg, int level) {
 }
 
 void limit_scans(j_common_ptr jpeg) {
-    if (jpeg->is_decompressor && reinterpret_cast<j_decompress_ptr>(jpeg)->input_scan_number > most_scans)
+    if (jpeg->is_decompressor && reinterpret_cast<j_decompress_ptr>(jpeg)->input_scan_number > kMostScans)
         std::longjmp(reinterpret_cast<JpegState*>(jpeg->err)->escape, 1);
 }
 
@@ -79,7 +79,7 @@ class JpegReader {
     std::uint32_t height() const { return jpeg_.image_height; }
     bool is_cmyk() const { return jpeg_.num_components > 3; }
     std::string fault() const {
-        return state_.fault[0] ? state_.fault.data() : "more than " + std::to_string(most_scans) + " scans";
+        return state_.fault[0] ? state_.fault.data() : "more than " + std::to_string(kMostScans) + " scans";
     }
 
   private:

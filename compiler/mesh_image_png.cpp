@@ -14,7 +14,7 @@ namespace rro {
 namespace {
 
 /// No PNG packs pixels denser: one bit each, and deflate's 1032 bytes for one.
-constexpr std::uint64_t most_pixels_per_byte = 8 * 1032;
+constexpr std::uint64_t kMostPixelsPerByte = 8 * 1032;
 
 struct PngSource {
     const char* data;
@@ -91,7 +91,7 @@ Result<Image> decode_png(std::string_view bytes, std::uint64_t most_pixels) {
     const auto broken = [&] { return bad_input("", "it is a broken PNG (" + reader.fault() + ")"); };
     if (!reader.read_header()) return broken();
     auto image = blank_image(reader.width(), reader.height(),
-                             std::min<std::uint64_t>(most_pixels, most_pixels_per_byte * bytes.size()));
+                             std::min<std::uint64_t>(most_pixels, kMostPixelsPerByte * bytes.size()));
     if (!image) return image;
     if (reader.row_bytes() != std::size_t{3} * image->width) return bad_input("", "it is a PNG of an unknown kind");
     if (!reader.read_rows(image->rgb.data())) return broken();

@@ -7,7 +7,7 @@
 namespace rro {
 namespace {
 
-constexpr std::size_t header_bytes = 18;
+constexpr std::size_t kHeaderBytes = 18;
 
 /// Pixels one after the other, unpacked; in the order of the file.
 class TgaPixels {
@@ -43,15 +43,15 @@ class TgaPixels {
 Result<Image> decode_tga(std::string_view bytes, std::uint64_t most_pixels) {
     const auto byte = [&](std::size_t i) { return static_cast<std::size_t>(static_cast<unsigned char>(bytes[i])); };
     const Error cut_off = bad_input("", "it is a TGA that is cut off");
-    if (bytes.size() < header_bytes) return cut_off;
+    if (bytes.size() < kHeaderBytes) return cut_off;
     const std::size_t comment_bytes = byte(0), bits = byte(16), flags = byte(17);
     const bool packed = byte(2) == 10, from_top = (flags & 0x20) != 0, from_right = (flags & 0x10) != 0;
     if ((bits != 24 && bits != 32) || from_right)
         return bad_input("", "it is a TGA of another kind than 24 or 32 bits from the left");
-    if (bytes.size() < header_bytes + comment_bytes) return cut_off;
+    if (bytes.size() < kHeaderBytes + comment_bytes) return cut_off;
     auto image = blank_image(byte(12) | byte(13) << 8, byte(14) | byte(15) << 8, most_pixels);
     if (!image) return image;
-    TgaPixels pixels(bytes.substr(header_bytes + comment_bytes), bits / 8, packed);
+    TgaPixels pixels(bytes.substr(kHeaderBytes + comment_bytes), bits / 8, packed);
     std::array<std::uint8_t, 3> rgb{};
     for (std::size_t y = 0; y < image->height; ++y) {
         const std::size_t row = from_top ? y : image->height - 1 - y;

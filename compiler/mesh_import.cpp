@@ -15,17 +15,17 @@
 namespace rro {
 namespace {
 
-constexpr double largest_reflectance = 0.95;  // imported ones; a scene with 1 would never settle
-constexpr Vec3 unknown_reflectance{0.5, 0.5, 0.5};
+constexpr double kLargestReflectance = 0.95;  // imported ones; a scene with 1 would never settle
+constexpr Vec3 kUnknownReflectance{0.5, 0.5, 0.5};
 
 /// Of (longest edge)^2: below, a triangle's area and normal are rounding errors of its coordinates.
-constexpr double no_area = 1e-14;
+constexpr double kNoArea = 1e-14;
 
 /// Metres. Areas of such extents, of triangles a million times smaller, and their products with radiosities are floats.
-constexpr double largest_extent = 1e15, smallest_extent = 1e-13;
+constexpr double kLargestExtent = 1e15, kSmallestExtent = 1e-13;
 
 /// Distance from the origin over extent. Beyond it double coordinates resolve a shape to less than 1 in 10,000.
-constexpr double largest_distance = 1e11;
+constexpr double kLargestDistance = 1e11;
 
 std::string place_of_face(const SourceMesh& source, std::size_t face, const std::filesystem::path& path) {
     return source.face_line.empty() ? path.string() + ": face " + std::to_string(face)
@@ -96,7 +96,7 @@ TriangleCorners corners_of(const SourceMesh& source, const KeptTriangle& triangl
 
 bool has_area(const TriangleCorners& t) {
     const double longest = std::max({length2(t[1] - t[0]), length2(t[2] - t[1]), length2(t[0] - t[2])});
-    return length(area_vector(t)) > no_area * longest;
+    return length(area_vector(t)) > kNoArea * longest;
 }
 
 Vec3 extent_of(const std::vector<Vec3>& positions) {
@@ -118,12 +118,12 @@ Status check_extent(const SourceMesh& source, const std::vector<KeptTriangle>& t
         std::snprintf(text.data(), text.size(), "%.3g m", x);
         return std::string(text.data());
     };
-    if (extent > largest_extent || (extent > 0 && extent < smallest_extent))
+    if (extent > kLargestExtent || (extent > 0 && extent < kSmallestExtent))
         return bad_input(path.string(),
-                         "the mesh extends over " + metres(extent) + ", expected " + metres(smallest_extent) + " to " +
-                             metres(largest_extent) + ": its areas would be no numbers",
+                         "the mesh extends over " + metres(extent) + ", expected " + metres(kSmallestExtent) + " to " +
+                             metres(kLargestExtent) + ": its areas would be no numbers",
                          "check --unit, and the file for stray vertices");
-    if (distance > largest_distance * extent)
+    if (distance > kLargestDistance * extent)
         return bad_input(path.string(),
                          "the mesh lies " + metres(distance) + " from the origin but extends over " + metres(extent) +
                              " only: its coordinates do not resolve its shape",
@@ -148,9 +148,9 @@ std::vector<KeptTriangle> drop_degenerate(const SourceMesh& source, std::vector<
 /// ones that have three corners in use.
 void fill_triangles(const SourceMesh& source, const std::vector<KeptTriangle>& triangles,
                     const std::vector<KeptTriangle>& dropped, Mesh& mesh, ImportReport& report) {
-    constexpr std::uint32_t unused = std::numeric_limits<std::uint32_t>::max();
+    constexpr std::uint32_t kUnused = std::numeric_limits<std::uint32_t>::max();
     const std::vector<std::uint32_t> welded = weld_positions(source.positions);
-    std::vector<std::uint32_t> index(source.positions.size(), unused);
+    std::vector<std::uint32_t> index(source.positions.size(), kUnused);
     std::vector<bool> met(source.positions.size(), false);
     std::uint32_t vertices = 0;
     for (const KeptTriangle& triangle : triangles) {
@@ -159,7 +159,7 @@ void fill_triangles(const SourceMesh& source, const std::vector<KeptTriangle>& t
             const std::uint32_t vertex = source.corners[triangle.corners[i]], position = welded[vertex];
             vertices += met[vertex] ? 0 : 1;
             met[vertex] = true;
-            if (index[position] == unused) {
+            if (index[position] == kUnused) {
                 index[position] = static_cast<std::uint32_t>(mesh.positions.size());
                 mesh.positions.push_back(source.positions[position]);
             }
@@ -173,7 +173,7 @@ void fill_triangles(const SourceMesh& source, const std::vector<KeptTriangle>& t
         TriangleIndices corners;
         for (std::size_t i = 0; i < 3; ++i) corners[i] = index[welded[source.corners[triangle.corners[i]]]];
         const auto [a, b, c] = corners;
-        if (a != b && b != c && c != a && a != unused && b != unused && c != unused) mesh.slits.push_back(corners);
+        if (a != b && b != c && c != a && a != kUnused && b != kUnused && c != kUnused) mesh.slits.push_back(corners);
     }
 }
 
@@ -195,8 +195,8 @@ std::vector<std::uint32_t> fill_materials(const SourceMesh& source, const std::v
 
 Vec3 clamped(Vec3 reflectance, bool& was_above) {
     for (int c = 0; c < 3; ++c) {
-        was_above = was_above || reflectance[c] > largest_reflectance;
-        reflectance[c] = std::clamp(reflectance[c], 0.0, largest_reflectance);
+        was_above = was_above || reflectance[c] > kLargestReflectance;
+        reflectance[c] = std::clamp(reflectance[c], 0.0, kLargestReflectance);
     }
     return reflectance;
 }
@@ -228,7 +228,7 @@ void fill_colours(const SourceMesh& source, const std::vector<KeptTriangle>& tri
     for (const std::uint32_t number : used) {
         const auto& known = source.materials[number].reflectance;
         report.reflectance_assumed += known ? 0 : 1;
-        base.push_back(known.value_or(options.reflectance.value_or(unknown_reflectance)));
+        base.push_back(known.value_or(options.reflectance.value_or(kUnknownReflectance)));
     }
     const std::uint64_t samples = options.limits.texture_samples / triangles.size();
     bool varies = !source.colours.empty();

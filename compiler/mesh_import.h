@@ -13,7 +13,8 @@
 namespace rro {
 
 /// What one mesh may take of memory and time, however little of either its files seem to ask for. What goes beyond is
-/// refused. With these a mesh stays below 8 GB and some minutes.
+/// refused. Honest meshes within these stay within the memory and time of ContainmentLimits (import_process.h) too, which
+/// refuse what hostile ones still find.
 struct ImportLimits {
     std::uint64_t file_bytes = std::uint64_t{1} << 29;       // of the mesh and all it refers to, each as often as read
     std::uint64_t corners = std::uint64_t{1} << 25;          // of all faces, and as many vertices: 11 million triangles

@@ -18,7 +18,7 @@
 namespace rro {
 namespace {
 
-constexpr std::uint32_t no_uv = std::numeric_limits<std::uint32_t>::max();
+constexpr std::uint32_t kNoUv = std::numeric_limits<std::uint32_t>::max();
 
 /// "i", "i/t", "i//n" or "i/t/n"; 0 where t is absent.
 struct CornerWord {
@@ -133,7 +133,7 @@ class ObjReader {
 
     SourceMesh mesh_;
     std::vector<Uv> uvs_;                     // of the file
-    std::vector<std::uint32_t> corner_uv_;    // into uvs_, or no_uv
+    std::vector<std::uint32_t> corner_uv_;    // into uvs_, or kNoUv
     std::optional<std::uint32_t> current_;    // material; none before the first usemtl
     std::vector<std::size_t> material_line_;  // of first use
     std::unordered_map<std::string, std::uint32_t> material_index_;
@@ -178,7 +178,7 @@ void ObjReader::texture_coordinate() {
 /// 0-based index; one from the end where negative. Forward references are checked when the file has been read.
 std::optional<std::uint32_t> ObjReader::resolved(std::int64_t index, std::size_t count, const char* what) {
     const std::int64_t at = index > 0 ? index - 1 : index + static_cast<std::int64_t>(count);
-    if (at >= 0 && at < no_uv) return static_cast<std::uint32_t>(at);
+    if (at >= 0 && at < kNoUv) return static_cast<std::uint32_t>(at);
     fail(std::string("index ") + std::to_string(index) + ", but there are " + std::to_string(count) + " " + what +
          " so far");
     return std::nullopt;
@@ -196,7 +196,7 @@ void ObjReader::face() {
                         "indices count from 1");
         const auto position = resolved(corner->position, mesh_.positions.size(), "vertices");
         if (!position) return;
-        std::uint32_t uv = no_uv;
+        std::uint32_t uv = kNoUv;
         if (corner->uv != 0) {
             const auto index = resolved(corner->uv, uvs_.size(), "texture coordinates");
             if (!index) return;
@@ -327,19 +327,19 @@ class LibraryReader : public tinyobj::MaterialReader {
 
 /// Coordinates per corner, and whether all indices exist.
 Status ObjReader::resolve_uvs() {
-    if (uvs_.empty() && std::all_of(corner_uv_.begin(), corner_uv_.end(), [](auto i) { return i == no_uv; }))
+    if (uvs_.empty() && std::all_of(corner_uv_.begin(), corner_uv_.end(), [](auto i) { return i == kNoUv; }))
         return Done{};
-    constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+    constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
     mesh_.uvs.reserve(corner_uv_.size());
     std::size_t corner = 0;
     for (std::size_t face = 0; face < mesh_.face_end.size(); ++face)
         for (; corner < mesh_.face_end[face]; ++corner) {
             const std::uint32_t uv = corner_uv_[corner];
-            if (uv != no_uv && uv >= uvs_.size())
+            if (uv != kNoUv && uv >= uvs_.size())
                 return bad_input(at_line(path_, mesh_.face_line[face]),
                                  "texture coordinate " + std::to_string(std::uint64_t{uv} + 1) + ", but there are " +
                                      std::to_string(uvs_.size()));
-            mesh_.uvs.push_back(uv == no_uv ? Uv{nan, nan} : uvs_[uv]);
+            mesh_.uvs.push_back(uv == kNoUv ? Uv{kNan, kNan} : uvs_[uv]);
         }
     return Done{};
 }

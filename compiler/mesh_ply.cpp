@@ -50,7 +50,7 @@ std::optional<PlyType> parse_type(std::string_view word) {
     return std::nullopt;
 }
 
-constexpr double largest_whole = std::numeric_limits<std::uint32_t>::max();  // of all types
+constexpr double kLargestWhole = std::numeric_limits<std::uint32_t>::max();  // of all types
 
 bool is_whole(PlyType type) {
     return type != PlyType::Float && type != PlyType::Double;
@@ -108,7 +108,7 @@ class PlyBody {
         if (word.empty()) return bad_input(place(), "found the end of the file, expected a number");
         offset_ = end;
         const auto value = parse_real(word);
-        const bool whole = value && *value == std::floor(*value) && std::abs(*value) <= largest_whole;
+        const bool whole = value && *value == std::floor(*value) && std::abs(*value) <= kLargestWhole;
         if (!value || (is_whole(type) && !whole))
             return bad_input(
                 place(), "found " + in_quotes(word) + ", expected a " + (is_whole(type) ? "whole " : "") + "number");

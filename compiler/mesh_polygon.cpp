@@ -9,8 +9,8 @@ namespace rro {
 namespace {
 
 // All lengths below are in units of the polygon's own extent.
-constexpr double no_area = 1e-13;       // turns within rounding are straight
-constexpr double planar_within = 1e-6;  // what is left of a plane in text with seven digits
+constexpr double kNoArea = 1e-13;       // turns within rounding are straight
+constexpr double kPlanarWithin = 1e-6;  // what is left of a plane in text with seven digits
 
 struct Point {
     double x, y;
@@ -23,13 +23,13 @@ double turn(const Point& a, const Point& b, const Point& c) {
 }
 
 bool inside(const Point& p, const Point& a, const Point& b, const Point& c) {
-    return turn(a, b, p) >= -no_area && turn(b, c, p) >= -no_area && turn(c, a, p) >= -no_area;
+    return turn(a, b, p) >= -kNoArea && turn(b, c, p) >= -kNoArea && turn(c, a, p) >= -kNoArea;
 }
 
 bool cross_properly(const Point& a, const Point& b, const Point& c, const Point& d) {
     const double ca = turn(a, b, c), da = turn(a, b, d), ac = turn(c, d, a), bc = turn(c, d, b);
-    return ((ca > no_area && da < -no_area) || (ca < -no_area && da > no_area)) &&
-           ((ac > no_area && bc < -no_area) || (ac < -no_area && bc > no_area));
+    return ((ca > kNoArea && da < -kNoArea) || (ca < -kNoArea && da > kNoArea)) &&
+           ((ac > kNoArea && bc < -kNoArea) || (ac < -kNoArea && bc > kNoArea));
 }
 
 /// First corner at the origin, extent 1; empty where that is impossible.
@@ -55,8 +55,8 @@ Vec3 polygon_normal(const std::vector<Vec3>& q) {
         const Vec3 corner = cross(next - q[i], q[(i + 2) % q.size()] - next);
         if (length2(corner) > length2(largest)) largest = corner;
     }
-    if (length(sum) > no_area) return normalised(sum);
-    return length(largest) > no_area ? normalised(largest) : Vec3{};
+    if (length(sum) > kNoArea) return normalised(sum);
+    return length(largest) > kNoArea ? normalised(largest) : Vec3{};
 }
 
 /// Drops the normal's largest component, so coordinates stay exact and straight lines straight.
@@ -77,15 +77,15 @@ bool is_planar(const std::vector<Vec3>& q, const Vec3& normal) {
         low = std::min(low, dot(p, normal));
         high = std::max(high, dot(p, normal));
     }
-    return high - low <= planar_within;
+    return high - low <= kPlanarWithin;
 }
 
 bool fan_covers(const std::vector<Point>& points) {
     const std::size_t k = points.size();
     for (std::size_t i = 0; i < k; ++i)
-        if (turn(points[i], points[(i + 1) % k], points[(i + 2) % k]) < -no_area) return false;
+        if (turn(points[i], points[(i + 1) % k], points[(i + 2) % k]) < -kNoArea) return false;
     for (std::size_t i = 1; i + 1 < k; ++i)
-        if (turn(points[0], points[i], points[i + 1]) <= no_area) return false;
+        if (turn(points[0], points[i], points[i + 1]) <= kNoArea) return false;
     return true;
 }
 
@@ -95,7 +95,7 @@ bool is_ear(const std::vector<Point>& points, const std::vector<std::uint32_t>& 
             std::uint64_t& steps) {
     const std::size_t n = left.size();
     const Point &a = points[left[(i + n - 1) % n]], &b = points[left[i]], &c = points[left[(i + 1) % n]];
-    if (turn(a, b, c) <= no_area) return false;
+    if (turn(a, b, c) <= kNoArea) return false;
     for (std::size_t j = 0; j < n; ++j) {
         --steps;
         const Point &p = points[left[j]], &q = points[left[(j + 1) % n]];

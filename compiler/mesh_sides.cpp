@@ -123,11 +123,11 @@ std::vector<bool> paired_components(const std::vector<Edge>& edges, const std::v
 /// them, would take the square of their number: hours for a cone of a million triangles in no order.
 std::vector<bool> crowded_components(const std::vector<std::uint32_t>& vertex,
                                      const std::vector<std::uint32_t>& component, std::uint32_t count) {
-    constexpr std::uint32_t crowd = 1000;
+    constexpr std::uint32_t kCrowd = 1000;
     std::vector<std::uint32_t> around(vertex.size(), 0);
     std::vector<bool> crowded(count, false);
     for (std::size_t i = 0; i < vertex.size(); ++i)
-        if (++around[vertex[i]] > crowd) crowded[component[i / 3]] = true;
+        if (++around[vertex[i]] > kCrowd) crowded[component[i / 3]] = true;
     return crowded;
 }
 
@@ -196,14 +196,14 @@ Adjacency adjacency_of(const std::vector<Edge>& edges, const std::vector<std::ui
 }
 
 Orientation orient(std::uint32_t first, const Adjacency& adjacency, std::vector<std::int8_t>& turn) {
-    constexpr std::int8_t unknown = -1;
+    constexpr std::int8_t kUnknown = -1;
     Orientation out{{first}, {}};
     turn[first] = 0;
     for (std::size_t next = 0; next < out.triangles.size(); ++next) {
         const std::uint32_t t = out.triangles[next];
         for (const auto& [neighbour, conflict] : adjacency.neighbours[t]) {
             const auto wanted = static_cast<std::int8_t>((turn[t] != 0) != conflict);
-            if (turn[neighbour] == unknown) {
+            if (turn[neighbour] == kUnknown) {
                 turn[neighbour] = wanted;
                 out.triangles.push_back(neighbour);
             } else if (turn[neighbour] != wanted) {

@@ -9,7 +9,7 @@ namespace rro {
 namespace {
 
 /// Files that one mesh may consist of: far more than any has, and few enough to look one up among them.
-constexpr std::uint64_t most_reads = 4096;
+constexpr std::uint64_t kMostReads = 4096;
 
 /// The format that the content begins like, as its ending; "" for OBJ and whatever else has no beginning of its own.
 std::string_view ending_of_content(std::string_view bytes) {
@@ -65,11 +65,11 @@ Result<std::string> SourceFiles::read(const std::filesystem::path& path) {
         return bad_input(path.string(), "found a pipe or a device, expected a file");
     const std::uint64_t size = std::filesystem::file_size(path, fault);
     if (fault) return bad_input(path.string(), "the file cannot be read");
-    if (size > limits_.file_bytes - bytes_read_ || reads_ == most_reads)
+    if (size > limits_.file_bytes - bytes_read_ || reads_ == kMostReads)
         return bad_input(path.string(), "found " + std::to_string(size) + " bytes, after " +
                                             std::to_string(bytes_read_) + " of " + std::to_string(reads_) +
                                             " files, expected a mesh of at most " + std::to_string(limits_.file_bytes) +
-                                            " bytes in " + std::to_string(most_reads) + " files");
+                                            " bytes in " + std::to_string(kMostReads) + " files");
     bytes_read_ += size;
     ++reads_;
     std::ifstream stream(path, std::ios::binary);

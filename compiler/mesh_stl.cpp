@@ -10,8 +10,8 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "binary STL is little-endian and copied as it is");
 
-constexpr std::size_t header_bytes = 84;  // 80 of comment, then the count
-constexpr std::size_t facet_bytes = 50;   // normal, three corners, two bytes of attributes
+constexpr std::size_t kHeaderBytes = 84;  // 80 of comment, then the count
+constexpr std::size_t kFacetBytes = 50;   // normal, three corners, two bytes of attributes
 
 std::uint32_t facet_count(std::string_view bytes) {
     std::uint32_t count = 0;
@@ -28,12 +28,12 @@ SourceMesh mesh_of_default_material() {
 SourceMesh read_binary(std::string_view bytes) {
     SourceMesh mesh = mesh_of_default_material();
     const std::uint32_t count = facet_count(bytes);
-    if (bytes.substr(0, header_bytes).find("COLOR=") != bytes.npos)
+    if (bytes.substr(0, kHeaderBytes).find("COLOR=") != bytes.npos)
         mesh.warnings.emplace_back("colours are ignored: STL does not say what they mean");
     mesh.positions.reserve(std::size_t{3} * count);
     for (std::uint32_t facet = 0; facet < count; ++facet) {
         std::array<float, 9> corners;
-        std::memcpy(corners.data(), bytes.data() + header_bytes + facet * facet_bytes + 12, sizeof corners);
+        std::memcpy(corners.data(), bytes.data() + kHeaderBytes + facet * kFacetBytes + 12, sizeof corners);
         for (std::size_t i = 0; i < 9; i += 3) {
             mesh.corners.push_back(static_cast<std::uint32_t>(mesh.positions.size()));
             mesh.positions.emplace_back(corners[i], corners[i + 1], corners[i + 2]);
@@ -134,8 +134,8 @@ class TextReader {
 
 Result<SourceMesh> read_stl(const std::filesystem::path& path, std::string_view bytes, const ImportLimits& limits) {
     // By its size: many binary files begin with "solid", too.
-    const bool has_header = bytes.size() >= header_bytes;
-    const std::uint64_t expected = has_header ? header_bytes + std::uint64_t{facet_bytes} * facet_count(bytes) : 0;
+    const bool has_header = bytes.size() >= kHeaderBytes;
+    const std::uint64_t expected = has_header ? kHeaderBytes + std::uint64_t{kFacetBytes} * facet_count(bytes) : 0;
     if (has_header && bytes.size() == expected) {
         if (std::uint64_t{3} * facet_count(bytes) > limits.corners) return too_large(path.string(), limits);
         return read_binary(bytes);

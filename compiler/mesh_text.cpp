@@ -38,17 +38,17 @@ std::string_view trimmed(std::string_view text) {
 }
 
 std::string_view without_mark(std::string_view text) {
-    constexpr std::string_view mark = "\xef\xbb\xbf";
-    if (text.starts_with(mark)) text.remove_prefix(mark.size());
+    constexpr std::string_view kMark = "\xef\xbb\xbf";
+    if (text.starts_with(kMark)) text.remove_prefix(kMark.size());
     return text;
 }
 
 std::optional<std::size_t> find_long_line(std::string_view text) {
-    constexpr std::size_t longest = std::size_t{1} << 24;
+    constexpr std::size_t kLongest = std::size_t{1} << 24;
     LineReader lines(text);
     std::string_view line;
     while (lines.next(line))
-        if (line.size() > longest) return lines.line_number();
+        if (line.size() > kLongest) return lines.line_number();
     return std::nullopt;
 }
 
@@ -67,13 +67,13 @@ void split_words(std::string_view line, std::vector<std::string_view>& words) {
 }
 
 std::string in_quotes(std::string_view word) {
-    constexpr std::size_t longest = 40;  // enough to find the word again
+    constexpr std::size_t kLongest = 40;  // enough to find the word again
     std::string text = "'";
-    for (char c : word.substr(0, longest)) {
+    for (char c : word.substr(0, kLongest)) {
         const auto byte = static_cast<unsigned char>(c);
         text += byte < 0x20 || byte == 0x7f ? '?' : c;
     }
-    return text + (word.size() > longest ? "...'" : "'");
+    return text + (word.size() > kLongest ? "...'" : "'");
 }
 
 std::string at_line(const std::filesystem::path& path, std::size_t line) {

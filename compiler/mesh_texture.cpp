@@ -10,7 +10,7 @@ namespace rro {
 namespace {
 
 /// Texture coordinates that double precision resolves to a thousandth of a pixel; beyond, only the mean is known.
-constexpr double largest_uv = 1e8;
+constexpr double kLargestUv = 1e8;
 
 std::array<double, 256> linear_values() {
     std::array<double, 256> table{};
@@ -61,7 +61,7 @@ Vec3 mean_over_triangle(const Texture& texture, const TextureUse& use, const std
     for (std::size_t i = 0; i < 3; ++i) {
         const auto [u, v] = corners[i];
         at[i] = {use.to_u[0] * u + use.to_u[1] * v + use.to_u[2], use.to_v[0] * u + use.to_v[1] * v + use.to_v[2], 0};
-        if (!(std::abs(at[i].x) <= largest_uv && std::abs(at[i].y) <= largest_uv)) return texture.mean;
+        if (!(std::abs(at[i].x) <= kLargestUv && std::abs(at[i].y) <= kLargestUv)) return texture.mean;
     }
     for (std::size_t i = 0; i < 3; ++i) {
         const Vec3 edge = at[(i + 1) % 3] - at[i];

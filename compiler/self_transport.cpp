@@ -496,7 +496,7 @@ std::vector<float> received_shares(const ObjectData& object) {
 
 }  // namespace
 
-Closure measure_closure(const ObjectData& object, const ObjectRays& rays) {
+Closure measure_light_shares(const ObjectData& object, const ObjectRays& rays) {
     constexpr std::uint32_t kEscapeSamples = 128;  // of the table; a smooth function
     constexpr std::uint32_t kBlackSamples = 32;    // rays: a share is known to 0.05 or better
     const DirectionGrid grid(object.meta.grid_map, object.meta.grid_size);
@@ -535,7 +535,7 @@ Closure measure_closure(const ObjectData& object, const ObjectRays& rays) {
             if (hits[k].triangle == kNoTriangle) continue;
             const bool front = dot(area_vector(object.corners(hits[k].triangle)), to_double(lines[k].direction)) < 0;
             const Face face = Face::make(hits[k].triangle, front ? Side::Front : Side::Back);
-            black += face_by_side[face.packed] == kNoFace ? 1 : 0;
+            black += face_by_side[face.packed] == kBlackSide ? 1 : 0;
         }
         closure.black[p] = static_cast<float>(black) / kBlackSamples;
     });

@@ -34,6 +34,6 @@ struct Closure {
 /// The three shares from three independent sources, so that their sum tells how far tables and links are off.
 ///
 /// object   with visibility table and self links
-Closure measure_closure(const ObjectData& object, const ObjectRays& rays);
+Closure measure_light_shares(const ObjectData& object, const ObjectRays& rays);
 
 }  // namespace rro

@@ -370,10 +370,5 @@ int main_with(int argc, char** argv) {
 }  // namespace rro
 
 int main(int argc, char** argv) {
-    rro::end_on_interrupt();
-    try {
-        return rro::main_with(argc, argv);
-    } catch (const std::exception& exception) {
-        return rro::report_error(rro::kProgram, rro::error_from_exception(exception));
-    }
+    return rro::run_program(rro::kProgram, rro::main_with, argc, argv);
 }

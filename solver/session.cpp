@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "solver/scene/transform.h"
+
 namespace rro {
 namespace {
 
@@ -12,9 +14,8 @@ SectionSet wanted_by(const SolveOptions& options) {
 }
 
 Status check_transform(const std::string& name, const Affine3& to_world) {
-    const double determinant = to_world.linear.determinant();
-    if (std::isfinite(determinant) && determinant != 0 && is_finite(to_world.translation)) return Done{};
-    return bad_input(name, "found a singular or infinite transform, expected an invertible one");
+    if (const std::string fault = transform_fault(to_world); !fault.empty()) return bad_input(name, fault);
+    return Done{};
 }
 
 void dim_group(Scene& scene, const std::string& name, double scale) {

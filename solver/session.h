@@ -36,10 +36,11 @@ class SceneSession {
     ///
     /// archive   a file, relative to the working folder; opened by solve(), once for all its instances
     /// to_world  metres of the archive's frame -> metres of the world; any invertible affine map
-    /// errors    BadInput: an instance of this name is there, an empty name or one with `/`, a singular transform
+    /// errors    BadInput: an instance of this name is there, an empty name or one with `/`, a transform that manifests refuse
+    ///           (scene/transform.h)
     Status place(std::string name, const std::filesystem::path& archive, const Affine3& to_world);
     /// Puts an instance elsewhere: replaces its whole transform.
-    /// errors   BadInput: no instance of this name, a singular transform
+    /// errors   BadInput: no instance of this name, a transform that manifests refuse (scene/transform.h)
     Status move(std::string_view name, const Affine3& to_world);
     /// Takes an instance out.
     /// errors   BadInput: no instance of this name

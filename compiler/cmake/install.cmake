@@ -23,6 +23,7 @@ install(TARGETS ${RRO_LIBRARIES} EXPORT rroLibraries ARCHIVE DESTINATION ${CMAKE
 install(EXPORT rroLibraries NAMESPACE rro:: DESTINATION ${RRO_PACKAGE_FOLDER})
 install(DIRECTORY format solver DESTINATION ${RRO_INCLUDE_FOLDER} FILES_MATCHING PATTERN "*.h"
         PATTERN tool EXCLUDE PATTERN edit EXCLUDE PATTERN tradeoff EXCLUDE)
+install(FILES ${CMAKE_BINARY_DIR}/generated/format/version.h DESTINATION ${RRO_INCLUDE_FOLDER}/format)
 install(FILES ${CMAKE_BINARY_DIR}/generated/solver/scene/chosen.h DESTINATION ${RRO_INCLUDE_FOLDER}/solver/scene)
 
 configure_package_config_file(compiler/cmake/rroConfig.cmake.in ${CMAKE_BINARY_DIR}/generated/rroConfig.cmake

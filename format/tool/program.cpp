@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <new>
 
+#include "format/tool/interrupt.h"
+
 namespace rro {
 
 int report_error(std::string_view program, const Error& error) {
@@ -27,6 +29,15 @@ Error error_from_exception(const std::exception& exception) {
     if (dynamic_cast<const std::bad_alloc*>(&exception))
         return failed("", "out of memory", "raise the address-space limit (ulimit -v) or use a smaller input");
     return {ErrorKind::Internal, "", std::string("internal error: ") + exception.what(), "please report this"};
+}
+
+int run_program(std::string_view program, int (*work)(int argc, char** argv), int argc, char** argv) {
+    end_on_interrupt();
+    try {
+        return work(argc, argv);
+    } catch (const std::exception& exception) {
+        return report_error(program, error_from_exception(exception));
+    }
 }
 
 TerminalProgress::TerminalProgress(bool quiet) : drawing_(!quiet && isatty(STDERR_FILENO) != 0) {}

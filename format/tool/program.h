@@ -16,8 +16,14 @@ int report_error(std::string_view program, const Error& error);
 /// Prints "PROGRAM: warning: MESSAGE" to stderr.
 void report_warning(std::string_view program, std::string_view message);
 
-/// An exception that reached main as an Error: Failed where memory ran out, Internal otherwise.
+/// An exception that reached main, or one job of many, as an Error: Failed where memory ran out, Internal otherwise.
 Error error_from_exception(const std::exception& exception);
+
+/// All that main does: from now on Ctrl-C ends the program (interrupt.h); an exception that gets out of `work` is reported.
+///
+/// work     called with the arguments
+/// returns  the exit code: of `work`, or of the exception
+int run_program(std::string_view program, int (*work)(int argc, char** argv), int argc, char** argv);
 
 /// Draws phases and the share done on one line of stderr; only on a terminal, and not when quiet. The line is wiped
 /// when the object goes. Not thread-safe: one thread reports at a time.

@@ -4,11 +4,11 @@
 #include <deque>
 #include <istream>
 #include <nlohmann/json.hpp>
-#include <numeric>
 #include <ostream>
 
 #include "format/atomic_file.h"
 #include "format/clock.h"
+#include "format/source_order.h"
 #include "format/tool/interrupt.h"
 #include "format/tool/json_document.h"
 #include "format/tool/names.h"
@@ -98,12 +98,8 @@ struct Built {
 
 json radiosity_rows(const Instance& instance, const InstanceSolution& solution) {
     const ObjectData& data = instance.data();
-    std::vector<std::uint32_t> order(data.triangles.size());
-    std::iota(order.begin(), order.end(), 0u);
-    std::sort(order.begin(), order.end(),
-              [&](auto a, auto b) { return data.source_triangle[a] < data.source_triangle[b]; });
     json rows = json::array();
-    for (const std::uint32_t triangle : order) {
+    for (const std::uint32_t triangle : by_source_number(data)) {
         json row{data.source_triangle[triangle]};
         for (const std::uint32_t face : {instance.object->front_face[triangle], instance.object->back_face[triangle]})
             if (face != kNoFace)

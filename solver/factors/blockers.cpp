@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::uint32_t kLeaf = 4;
 constexpr std::size_t kStack = 128;  // deeper than any tree of halves
-constexpr std::size_t kFewCorners = 12;  // with more, a shaft takes every n-th edge
+constexpr std::size_t kFewCorners = 12;  // with more, a hull takes every n-th edge
 
 Box3 box_of(const Polygon& polygon) {
     Box3 box;
@@ -26,7 +26,7 @@ double reach(const Box3& box, const Vec3& n) {
 }
 
 /// Planes through edges of `a` that have all of `b` and of `a` on the inner side.
-void add_sides(std::span<const Vec3> a, std::span<const Vec3> b, Shaft& shaft) {
+void add_sides(std::span<const Vec3> a, std::span<const Vec3> b, PairHull& hull) {
     const std::size_t step = a.size() / kFewCorners + 1;
     for (std::size_t k = 0; k < a.size(); k += step) {
         const Vec3& from = a[k];
@@ -41,12 +41,12 @@ void add_sides(std::span<const Vec3> a, std::span<const Vec3> b, Shaft& shaft) {
         double beyond = 0;  // where edge and corner are nearly in line, rounding has turned the plane
         for (const Vec3& corner : a) beyond = std::max(beyond, dot(normal, corner) - offset);
         for (const Vec3& corner : b) beyond = std::max(beyond, dot(normal, corner) - offset);
-        shaft.sides.push_back({normal, offset + beyond});
+        hull.sides.push_back({normal, offset + beyond});
     }
 }
 
-bool outside(const Polygon& body, const Shaft& shaft) {
-    for (const ShaftSide& side : shaft.sides) {
+bool outside(const Polygon& body, const PairHull& hull) {
+    for (const HullSide& side : hull.sides) {
         double least = std::numeric_limits<double>::infinity();
         for (const Vec3& c : body.corners) least = std::min(least, dot(side.normal, c));
         if (least >= side.offset - body.rounding) return true;
@@ -54,25 +54,25 @@ bool outside(const Polygon& body, const Shaft& shaft) {
     return false;
 }
 
-bool outside(const Box3& box, const Shaft& shaft) {
-    if (!box.overlaps(shaft.box)) return true;
-    for (const ShaftSide& side : shaft.sides)
+bool outside(const Box3& box, const PairHull& hull) {
+    if (!box.overlaps(hull.box)) return true;
+    for (const HullSide& side : hull.sides)
         if (-reach(box, -side.normal) >= side.offset) return true;
     return false;
 }
 
 }  // namespace
 
-void make_shaft(std::span<const Vec3> a, const ShaftSide& behind_a, std::span<const Vec3> b, const ShaftSide& behind_b,
-                Shaft& shaft) {
-    shaft.sides.clear();
-    shaft.box = {};
-    shaft.sides.push_back(behind_a);
-    shaft.sides.push_back(behind_b);
-    add_sides(a, b, shaft);
-    add_sides(b, a, shaft);
-    for (const Vec3& c : a) shaft.box.add(c);
-    for (const Vec3& c : b) shaft.box.add(c);
+void make_pair_hull(std::span<const Vec3> a, const HullSide& behind_a, std::span<const Vec3> b, const HullSide& behind_b,
+                    PairHull& hull) {
+    hull.sides.clear();
+    hull.box = {};
+    hull.sides.push_back(behind_a);
+    hull.sides.push_back(behind_b);
+    add_sides(a, b, hull);
+    add_sides(b, a, hull);
+    for (const Vec3& c : a) hull.box.add(c);
+    for (const Vec3& c : b) hull.box.add(c);
 }
 
 Blockers::Blockers(const Surfaces& surfaces)
@@ -143,7 +143,7 @@ void Blockers::build(std::uint32_t first, std::uint32_t count) {
     build(first + count / 2, count - count / 2);
 }
 
-bool Blockers::reach_into(const Shaft& shaft, std::size_t most, bool whole, Between& found) const {
+bool Blockers::reach_into(const PairHull& hull, std::size_t most, bool whole, Between& found) const {
     found.bodies.clear();
     found.solids.clear();
     if (nodes_.empty()) return true;
@@ -152,7 +152,7 @@ bool Blockers::reach_into(const Shaft& shaft, std::size_t most, bool whole, Betw
     while (waiting > 0) {
         const std::uint32_t at = stack[--waiting];
         const Node& node = nodes_[at];
-        if (outside(node.box, shaft)) continue;
+        if (outside(node.box, hull)) continue;
         if (node.count == 0) {
             stack[waiting++] = node.right;
             stack[waiting++] = at + 1;
@@ -162,7 +162,7 @@ bool Blockers::reach_into(const Shaft& shaft, std::size_t most, bool whole, Betw
             const std::uint32_t body = order_[node.first + k], solid = bodies_[body].solid;
             const bool of_solid = whole && solid != kNoSolid;
             if (of_solid && std::find(found.solids.begin(), found.solids.end(), solid) != found.solids.end()) continue;
-            if (outside(bodies_[body].polygon, shaft)) continue;
+            if (outside(bodies_[body].polygon, hull)) continue;
             if (found.bodies.size() + found.solids.size() == most) return false;
             if (of_solid)
                 found.solids.push_back(solid);

@@ -1,4 +1,4 @@
-// What may stand between two polygons: a tree over the bodies that can block at all, and the shaft of a pair.
+// What may stand between two polygons: a tree over the bodies that can block at all, and the hull of a pair.
 #pragma once
 
 #include <cstdint>
@@ -11,23 +11,23 @@
 namespace rro {
 
 /// A half-space normal . x <= offset.
-struct ShaftSide {
+struct HullSide {
     Vec3 normal;  // unit
     double offset = 0;
 };
 
 /// The space between two polygons, each in front of the other: what does not reach into it cannot block.
-struct Shaft {
-    std::vector<ShaftSide> sides;  // the two planes of the polygons first
+struct PairHull {
+    std::vector<HullSide> sides;  // the two planes of the polygons first
     Box3 box;
 };
 
 /// The hull of both, open towards neither: planes of both polygons, and planes through an edge of one and a corner of
 /// the other with both on one side. Where the polygons are large (tens of corners), planes of some edges only.
-void make_shaft(std::span<const Vec3> a, const ShaftSide& behind_a, std::span<const Vec3> b, const ShaftSide& behind_b,
-                Shaft& shaft);
+void make_pair_hull(std::span<const Vec3> a, const HullSide& behind_a, std::span<const Vec3> b, const HullSide& behind_b,
+                    PairHull& hull);
 
-/// What reaches into a shaft.
+/// What reaches into a hull.
 struct Between {
     std::vector<std::uint32_t> bodies;  // into Surfaces::bodies
     std::vector<std::uint32_t> solids;  // into Surfaces::solids
@@ -45,10 +45,10 @@ class Blockers {
     bool empty() const { return nodes_.empty(); }
     std::size_t size() const { return order_.size(); }
 
-    /// Bodies and solids that reach into a shaft, ascending. Those of its ends lie in their planes and do not.
+    /// Bodies and solids that reach into a hull, ascending. Those of its ends lie in their planes and do not.
     /// whole    solids count as one; else their bodies are listed
     /// returns  whether there are no more than `most` of both; else the lists are cut short
-    bool reach_into(const Shaft& shaft, std::size_t most, bool whole, Between& found) const;
+    bool reach_into(const PairHull& hull, std::size_t most, bool whole, Between& found) const;
 
     /// Whether any body that `counts` accepts meets the box around both boxes.
     bool any_between(const Box3& a, const Box3& b, const std::function<bool(std::uint32_t)>& counts) const;

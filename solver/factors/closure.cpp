@@ -9,7 +9,6 @@ namespace {
 constexpr int kMostRounds = 50;             // of holding negative exchanges at 0
 constexpr double kClosed = 1e-12;           // residual of the linear system, relative
 constexpr double kClosedRow = 1e-9;         // |row sum - 1| that counts as reached
-constexpr double kTellingFactor = 0.01;     // below it relative asymmetry says nothing
 
 const Factor* find(const std::vector<Factor>& row, std::uint32_t to) {
     const auto at = std::lower_bound(row.begin(), row.end(), to, [](const Factor& f, std::uint32_t t) { return f.to < t; });
@@ -139,7 +138,7 @@ void ClosureMeter::add_pair(std::uint32_t i, std::uint32_t j, double there, doub
         report_.asymmetric_from = i;
         report_.asymmetric_to = j;
     }
-    if (std::max(there, back) > kTellingFactor * std::max(area_[i], area_[j]))
+    if (std::max(there, back) > kSmallFactor * std::max(area_[i], area_[j]))
         report_.largest_relative_asymmetry =
             std::max(report_.largest_relative_asymmetry, apart / std::max(there, back));
 }

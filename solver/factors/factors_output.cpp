@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "format/parallel.h"
-#include "solver/output/csv_field.h"
+#include "format/tool/csv_field.h"
 
 namespace rro {
 namespace {

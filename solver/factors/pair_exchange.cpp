@@ -6,6 +6,7 @@
 
 #include "format/parallel.h"
 #include "solver/factors/obstructed.h"
+#include "solver/factors/view_factors.h"
 
 namespace rro {
 namespace {
@@ -16,7 +17,6 @@ constexpr std::uint64_t kManyPairs = 4096;         // of polygons: worth several
 constexpr std::uint64_t kMostShafts = 400'000;     // pairs of polygons looked at one by one: a second
 constexpr std::size_t kMostBetween = 48;           // blockers that are cut out
 constexpr double kSecondsForOne = 3;               // that cutting one pair of groups may take
-constexpr double kSmallFactor = 0.01;              // below it the tolerance is absolute
 constexpr double kShareOfTolerance = 0.3;          // that the rules may err by
 constexpr double kQuickly = 1e-3;  // tolerance over open exchange from where two rules that agree are believed
 
@@ -33,14 +33,14 @@ double cutting_seconds(const PairWork& work, const Between& between) {
 bool look(const PairWork& work, PairScratch& scratch) {
     const Polygon& p = *scratch.facing.a;
     const Polygon& q = *scratch.facing.b;
-    make_shaft(p.corners, {-p.normal, -p.offset}, q.corners, {-q.normal, -q.offset}, scratch.shaft);
-    if (!work.blockers.reach_into(scratch.shaft, kMostBetween, true, scratch.between)) return false;
+    make_pair_hull(p.corners, {-p.normal, -p.offset}, q.corners, {-q.normal, -q.offset}, scratch.hull);
+    if (!work.blockers.reach_into(scratch.hull, kMostBetween, true, scratch.between)) return false;
     for (const std::uint32_t number : scratch.between.solids) {
         const Solid& solid = work.surfaces.solids[number];
         const auto inside = [&](const Vec3& c) { return solid.contains(c); };
         if (std::any_of(p.corners.begin(), p.corners.end(), inside) ||
             std::any_of(q.corners.begin(), q.corners.end(), inside))
-            return work.blockers.reach_into(scratch.shaft, kMostBetween, false, scratch.between);
+            return work.blockers.reach_into(scratch.hull, kMostBetween, false, scratch.between);
     }
     return true;
 }

@@ -40,7 +40,7 @@ struct PairWork {
 /// Room for one thread to work in.
 struct PairScratch {
     FacingPair facing;
-    Shaft shaft;
+    PairHull hull;
     Between between;
 };
 

@@ -177,9 +177,4 @@ bool facing_parts(const Polygon& a, const Polygon& b, FacingPair& pair) {
     return true;
 }
 
-double planar_exchange(const Polygon& a, const Polygon& b) {
-    FacingPair pair;
-    return facing_parts(a, b, pair) ? facing_exchange(*pair.a, *pair.b) : 0;
-}
-
 }  // namespace rro

@@ -7,6 +7,7 @@
 
 #include "format/parallel.h"
 #include "format/sample_points.h"
+#include "solver/factors/view_factors.h"
 
 namespace rro {
 namespace {
@@ -14,7 +15,6 @@ namespace {
 constexpr std::size_t kReplicates = 32;  // Student's t with 31 degrees of freedom: beyond 3 in 0.5 % of cases
 constexpr std::uint32_t kFirstPoints = 1u << 11, kMostPoints = 1u << 20;  // of each replicate
 constexpr double kShareOfTolerance = 1.0 / 3;
-constexpr double kSmallFactor = 0.01;  // below it the tolerance is absolute
 constexpr std::uint64_t kSeed = 0x766965772d666163ull;
 
 /// A group's triangles with their areas summed up, to find the one under a share of the whole.

@@ -28,7 +28,7 @@ struct RayScene {
 };
 
 /// Cosine-weighted rays from points spread over the group by area, in 32 independently scrambled low-discrepancy sets
-/// that are doubled until a third of the tolerance, accuracy * max(F, 0.01), is reached for every group in `wanted`.
+/// that are doubled until a third of the tolerance, accuracy * max(F, kSmallFactor), is reached for every group in `wanted`.
 ///
 /// returns  converged is false where the largest sets (2^20 points) do not get there
 SampledRow sampled_row(const RayScene& scene, std::uint32_t group, std::span<const std::uint32_t> wanted,

@@ -178,7 +178,7 @@ void sample_row(const PairWork& work, const RayScene& scene, const OpenPairs& op
         row.push_back({to, static_cast<float>(one.standard_error), one.factor});
         (pair->from == i ? pair->there : pair->back) = one.factor * table.area[i];
         if (pair->from == pair->to) pair->back = pair->there;
-        table.counts.missed += one.standard_error > 0.5 * accuracy * std::max(one.factor, 0.01);
+        table.counts.missed += one.standard_error > 0.5 * accuracy * std::max(one.factor, kSmallFactor);
         table.counts.rays += one.rays;
     }
     table.counts.sampled += wanted.size();

@@ -17,11 +17,14 @@ namespace rro {
 
 struct PreviousFactors;
 
+/// Below it tolerances are absolute, and a relative difference says nothing.
+inline constexpr double kSmallFactor = 0.01;
+
 /// What view factors are asked for.
 struct FactorOptions {
     GroupBy by = GroupBy::Auto;
     Sides sides = Sides::Front;
-    double accuracy = 1e-3;  // relative where F > 0.01; a hundredth of it absolute below
+    double accuracy = 1e-3;  // relative where F > kSmallFactor; times that, absolute, below
     std::uint64_t numbers_at_a_time = 12'000'000;  // of the matrix: rows are computed in blocks of about so many
     const PreviousFactors* previous = nullptr;     // what pairs that nothing has changed for are taken from
 };
@@ -60,7 +63,7 @@ struct ClosureReport {
     std::uint32_t worst_row = 0;
     double mean_defect = 0;              // area-weighted mean of |row sum - 1|
     double largest_asymmetry = 0;        // of |A_i F_ij - A_j F_ji| / the smaller group's area
-    double largest_relative_asymmetry = 0;  // the same relative to the larger of both, where a factor is above 0.01
+    double largest_relative_asymmetry = 0;  // the same relative to the larger of both, where a factor is above kSmallFactor
     std::uint32_t asymmetric_from = 0, asymmetric_to = 0;
 };
 

@@ -2,15 +2,15 @@
 #include <array>
 #include <charconv>
 #include <cstddef>
-#include <numeric>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "format/atomic_file.h"
 #include "format/parallel.h"
+#include "format/source_order.h"
+#include "format/tool/csv_field.h"
 #include "solver/output/output.h"
-#include "solver/output/csv_field.h"
 
 namespace rro {
 namespace {
@@ -50,15 +50,6 @@ void append_row(std::string& out, const std::string& name, const Object& object,
     else append_rgb(out, solution.radiosity[back]);
     if (with_errors) append_rgb(out, solution.standard_error[front]);
     out += '\n';
-}
-
-/// Triangles of an archive in the order of their source numbers.
-std::vector<std::uint32_t> by_source_number(const ObjectData& data) {
-    std::vector<std::uint32_t> order(data.triangles.size());
-    std::iota(order.begin(), order.end(), 0u);
-    std::sort(order.begin(), order.end(),
-              [&](std::uint32_t a, std::uint32_t b) { return data.source_triangle[a] < data.source_triangle[b]; });
-    return order;
 }
 
 void append_instance(std::string& out, const Instance& instance, const InstanceSolution& solution, bool with_errors) {

@@ -156,8 +156,8 @@ PhaseTimes phase_times(std::string phase, const std::vector<double>& base, const
     const std::size_t cut = ratios.size() / kRunsPerCut;
     t.low = ratios[cut];
     t.high = ratios[ratios.size() - 1 - cut];
-    if (ratios.size() > 1 && t.low > 1) t.verdict = Verdict::Slower;
-    if (ratios.size() > 1 && t.high < 1) t.verdict = Verdict::Faster;
+    if (ratios.size() > 1 && t.low > 1) t.verdict = TimingVerdict::Slower;
+    if (ratios.size() > 1 && t.high < 1) t.verdict = TimingVerdict::Faster;
     return t;
 }
 
@@ -210,7 +210,7 @@ Result<Comparison> compare_archives(const Manifest& manifest, const CompareOptio
     c.base_error = first[0]->solution.estimated_error;
     c.head_error = first[1]->solution.estimated_error;
     const PhaseTimes& total = c.times.back();
-    c.too_slow = options.fail_if_slower && total.verdict == Verdict::Slower && total.ratio > *options.fail_if_slower;
+    c.too_slow = options.fail_if_slower && total.verdict == TimingVerdict::Slower && total.ratio > *options.fail_if_slower;
     c.too_different = options.fail_if_differs && !(c.radiosity.relative_rms <= *options.fail_if_differs);
     return c;
 }

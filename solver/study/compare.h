@@ -38,7 +38,7 @@ struct CompareOptions {
 };
 
 /// About the times of a phase.
-enum class Verdict { Same, Faster, Slower };  // Same: the noise hides what difference there is
+enum class TimingVerdict { Same, Faster, Slower };  // Same: the noise hides what difference there is
 
 /// Wall times of a phase over the runs.
 struct PhaseTimes {
@@ -48,7 +48,7 @@ struct PhaseTimes {
     double ratio = 1;                         // of the medians, head / base
     double low = 1, high = 1;                 // of the ratios of neighbouring runs; of 8 and more runs, without the runs / 8
                                               // largest and smallest
-    Verdict verdict = Verdict::Same;          // Slower where even `low` is above 1, Faster where even `high` is below
+    TimingVerdict verdict = TimingVerdict::Same;  // Slower where even `low` is above 1, Faster where even `high` is below
 };
 
 /// Difference of reflected radiosity R = B - M over the source's triangles and sides that both versions have.

@@ -9,11 +9,11 @@ namespace {
 
 using nlohmann::json;
 
-const char* name_of(Verdict verdict) {
+const char* name_of(TimingVerdict verdict) {
     switch (verdict) {
-        case Verdict::Faster: return "faster";
-        case Verdict::Slower: return "slower";
-        case Verdict::Same: return "no difference beyond the noise";
+        case TimingVerdict::Faster: return "faster";
+        case TimingVerdict::Slower: return "slower";
+        case TimingVerdict::Same: return "no difference beyond the noise";
     }
     return "";
 }
@@ -49,7 +49,7 @@ std::string archives_sentence(const Comparison& c) {
 
 std::string time_sentence(const Comparison& c) {
     const PhaseTimes& t = c.times.back();
-    if (t.verdict == Verdict::Same)
+    if (t.verdict == TimingVerdict::Same)
         return printed("no difference beyond the noise: head takes %.3f of base's time, single runs %.3f to %.3f.", t.ratio, t.low, t.high);
     return printed("head is %s: it takes %.3f of base's time, single runs %.3f to %.3f; %+.1f %% links.", name_of(t.verdict), t.ratio,
                 t.low, t.high, change_of(c, "links"));
@@ -120,7 +120,7 @@ std::string comparison_json(const Comparison& c) {
                          {"ratio", number(t.ratio)},
                          {"ratio_low", number(t.low)},
                          {"ratio_high", number(t.high)},
-                         {"verdict", t.verdict == Verdict::Same ? "same" : name_of(t.verdict)}});
+                         {"verdict", t.verdict == TimingVerdict::Same ? "same" : name_of(t.verdict)}});
     for (const Pairing& p : c.sizes) sizes.push_back({{"what", p.what}, {"base", p.base}, {"head", p.head}});
     for (const Making& m : c.made) made[m.what] = {{"base", m.base}, {"head", m.head}};
     const RadiosityDifference& r = c.radiosity;

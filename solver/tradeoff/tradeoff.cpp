@@ -13,7 +13,6 @@
 #include "format/atomic_file.h"
 #include "format/sha256.h"
 #include "format/tool/interrupt.h"
-#include "format/version.h"
 #include "solver/scene/file_bytes.h"
 #include "solver/tradeoff/error_picture.h"
 
@@ -58,7 +57,8 @@ std::string options_text(const SolveOptions& o) {
 class Measuring {
   public:
     Measuring(const Manifest& manifest, const TradeoffOptions& options, const SolveTrial& solve, const Progress& progress)
-        : manifest_(manifest), solve_(solve), progress_(progress) {
+        : manifest_(manifest), solve_(solve), progress_(progress),
+          program_(options.program.empty() ? program_digest() : options.program) {
         result_.options = options;
         result_.scene = manifest.path.string();
     }
@@ -110,7 +110,7 @@ class Measuring {
         SolveOptions reference;
         reference.method = Method::Reference;
         reference.samples = options().samples;
-        const std::string name = "truth-" + digest(*of_scene + options_text(reference) + std::string(kToolVersion)).substr(0, kKeyDigits) + ".csv";
+        const std::string name = "truth-" + digest(program_ + *of_scene + options_text(reference)).substr(0, kKeyDigits) + ".csv";
         const fs::path file = options().out / name;
         result_.truth_from = name;
         result_.truth_note = "the reference, " + std::to_string(options().samples) + " paths per face";
@@ -130,7 +130,7 @@ class Measuring {
         const auto truth = read_bytes(truth_file, kMostBytes);
         if (!truth) return truth.error();
         const MachineFacts& m = result_.machine;
-        const std::string common = program_digest() + m.processor + std::to_string(m.threads) + digest(*truth);
+        const std::string common = program_ + m.processor + std::to_string(m.threads) + digest(*truth);
         std::map<fs::path, std::string> scenes;
         for (const Point& point : result_.points) {
             const auto there = manifest_of(point.trial);
@@ -261,6 +261,7 @@ class Measuring {
     const Manifest& manifest_;
     const SolveTrial& solve_;
     const Progress& progress_;
+    const std::string program_;  // its digest
     Tradeoff result_;
     Truth truth_;
     std::vector<std::string> keys_;  // [points]

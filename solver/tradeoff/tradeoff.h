@@ -28,6 +28,7 @@ struct TradeoffOptions {
     std::filesystem::path reference_file;  // a truth at hand (read_truth) instead
     std::optional<double> budget;          // s: no run is begun that would probably end later. Not counted: the truth
     bool pictures = true;
+    std::string program;                   // digest of the program that solves; empty: of this one
 };
 
 /// Solves as `run` would. Fills in seconds.load; keeps Section::Source.
@@ -66,7 +67,7 @@ struct Tradeoff {
 /// Runs what is missing. Order: all trials once from rough to fine, then all again, `repeats` times in all, so that other
 /// work on the machine meets all alike. A run that fails (an effect that the method lacks, more memory than allowed) is a
 /// point without result. Runs are found again where the program, the machine, the scene, its archives, the options and the
-/// truth are the same; the truth itself where version, scene, archives and samples are.
+/// truth are the same; the truth itself where program, scene, archives and samples are.
 ///
 /// errors   those of plan_sweep and read_truth; Failed: the folder cannot be written to
 Result<Tradeoff> measure_tradeoff(const Manifest& manifest, const TradeoffOptions& options, const SolveTrial& solve,

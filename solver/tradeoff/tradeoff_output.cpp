@@ -5,9 +5,9 @@
 #include <nlohmann/json.hpp>
 
 #include "format/atomic_file.h"
+#include "format/tool/csv_field.h"
 #include "format/tool/interrupt.h"
 #include "format/tool/printed.h"
-#include "solver/output/csv_field.h"
 #include "solver/tradeoff/tradeoff.h"
 
 namespace rro {

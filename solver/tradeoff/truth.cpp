@@ -10,7 +10,7 @@
 #include <string_view>
 
 #include "format/atomic_file.h"
-#include "solver/output/csv_field.h"
+#include "format/tool/csv_field.h"
 #include "solver/scene/file_bytes.h"
 
 namespace rro {

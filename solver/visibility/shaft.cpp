@@ -10,13 +10,6 @@ namespace {
 // A uniform distribution of width s has the variance s^2 / 12.
 const double kDeviation = 1 / std::sqrt(12.0);
 
-Box3 box_about(const Vec3& centre, const std::array<Vec3, 3>& spread) {
-    Vec3 reach;
-    for (int i = 0; i < 3; ++i)
-        for (const Vec3& s : spread) reach[i] += std::sqrt(3.0) * std::abs(s[i]);
-    return {centre - reach, centre + reach};
-}
-
 }  // namespace
 
 ShaftEnd box_end(const Box3& box) {
@@ -34,11 +27,6 @@ ShaftEnd triangle_end(const TriangleCorners& corners) {
         end.spread[i] = (corners[i] - end.centre) * kDeviation;
     }
     return end;
-}
-
-ShaftEnd parallelogram_end(const Vec3& centre, const Vec3& side, const Vec3& other) {
-    const std::array<Vec3, 3> spread{side * kDeviation, other * kDeviation, Vec3{}};
-    return {box_about(centre, spread), centre, spread, {}, 0};
 }
 
 LocalShaft::LocalShaft(const Shaft& shaft, const Affine3& to_local)

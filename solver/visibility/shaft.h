@@ -25,8 +25,6 @@ struct ShaftEnd {
 ShaftEnd box_end(const Box3& box);
 /// The points of a triangle.
 ShaftEnd triangle_end(const TriangleCorners& corners);
-/// The parallelogram of two sides about its centre.
-ShaftEnd parallelogram_end(const Vec3& centre, const Vec3& side, const Vec3& other);
 
 /// One line between the ends.
 struct Segment {

@@ -1,6 +1,7 @@
 #include "solver/session.h"
 
 #include <cstdio>
+#include <limits>
 #include <memory>
 
 #include "compiler/compile_object.h"
@@ -95,6 +96,19 @@ TEST_CASE("a session refuses what makes no scene, and stays", "[session]") {
     CHECK(top(*session) == before);
     REQUIRE(session->remove("missing"));
     CHECK(session->solve());
+}
+
+TEST_CASE("a session refuses the transforms that a manifest refuses, though they can be inverted", "[session]") {
+    const SessionFiles files;
+    auto session = SceneSession::open(files.path);
+    REQUIRE(session);
+    const auto scaled = [](double x) { return Affine3{Mat3{{Vec3{x, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}}, {}}; };
+    CHECK(session->move("low", scaled(0.9e9)));
+    const auto moved = session->move("low", scaled(1.1e9));
+    REQUIRE_FALSE(moved);
+    CHECK(moved.error().message == "the transform has condition number 1.1e+09, expected at most 1e9");
+    CHECK_FALSE(session->place("flat", files.folder / "box.rro", scaled(1e-10)));
+    CHECK_FALSE(session->move("low", {Mat3{}, {std::numeric_limits<double>::infinity(), 0, 0}}));
 }
 
 TEST_CASE("the sample of the C++ interface runs", "[session]") {

@@ -6,8 +6,10 @@
 
 #include "format/form_factor.h"
 #include "format/sample_points.h"
+#include "tests/support/polygons.h"
 
 using namespace rro;
+using namespace rro::test;
 
 namespace {
 

@@ -13,6 +13,13 @@ cmake -S programs -B built -DCMAKE_PREFIX_PATH="$work/installed" -DCMAKE_CXX_COM
 cmake --build built > build.txt || fail "build: $(cat build.txt)"
 ! grep -rqF "$source" installed/lib*/cmake || fail "the package refers to the repository: $(grep -rF "$source" installed/lib*/cmake)"
 
+# The package and both programs are of one version.
+version=$(sed -n 's/^set(PACKAGE_VERSION "\(.*\)")$/\1/p' installed/lib*/cmake/rro/rroConfigVersion.cmake)
+for program in rro-compile rro-solve; do
+    told=$(installed/bin/$program --version)
+    [ "$told" = "$program $version" ] || fail "$program --version: found $told, the package is $version"
+done
+
 # The corner of a cube: seen along an axis, half a square metre.
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n' > corner.obj
 "$compile" build corner.obj --out corner.rro --quiet

@@ -5,9 +5,9 @@
 #include <random>
 
 #include "format/form_factor.h"
-#include "solver/factors/planar_kernel.h"
 #include "tests/stability/record.h"
 #include "tests/stability/wide.h"
+#include "tests/support/polygons.h"
 
 namespace rro::test {
 namespace {

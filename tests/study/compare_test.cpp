@@ -41,10 +41,10 @@ Manifest manifest_of_box() {
 }  // namespace
 
 TEST_CASE("compare: a phase is slower only where every neighbouring pair of runs says so", "[compare]") {
-    CHECK(phase_times("x", {1, 1.1, 0.9}, {2, 2.1, 1.9}).verdict == Verdict::Slower);
-    CHECK(phase_times("x", {2, 2.1, 1.9}, {1, 1.1, 0.9}).verdict == Verdict::Faster);
-    CHECK(phase_times("x", {1, 2, 1}, {1.5, 1.5, 1.5}).verdict == Verdict::Same);
-    CHECK(phase_times("x", {1}, {2}).verdict == Verdict::Same);  // one run tells nothing of noise
+    CHECK(phase_times("x", {1, 1.1, 0.9}, {2, 2.1, 1.9}).verdict == TimingVerdict::Slower);
+    CHECK(phase_times("x", {2, 2.1, 1.9}, {1, 1.1, 0.9}).verdict == TimingVerdict::Faster);
+    CHECK(phase_times("x", {1, 2, 1}, {1.5, 1.5, 1.5}).verdict == TimingVerdict::Same);
+    CHECK(phase_times("x", {1}, {2}).verdict == TimingVerdict::Same);  // one run tells nothing of noise
     CHECK(phase_times("x", {0, 0}, {0, 0}).ratio == 1);
     const PhaseTimes t = phase_times("x", {1, 2, 4, 3}, {2, 2, 2, 2});
     CHECK(t.base == 2.5);
@@ -53,7 +53,7 @@ TEST_CASE("compare: a phase is slower only where every neighbouring pair of runs
     CHECK(t.low == 0.5);
     CHECK(t.high == 2);
     // Eight runs: one outlier at each end does not count.
-    CHECK(phase_times("x", std::vector<double>(8, 1.0), {2, 2, 2, 0.5, 2, 2, 2, 9}).verdict == Verdict::Slower);
+    CHECK(phase_times("x", std::vector<double>(8, 1.0), {2, 2, 2, 0.5, 2, 2, 2, 9}).verdict == TimingVerdict::Slower);
 }
 
 TEST_CASE("compare: the difference of reflected radiosity is relative to the base, by area", "[compare]") {

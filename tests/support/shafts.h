@@ -16,6 +16,19 @@ struct Panel {
     Vec3 centre, side, other;
 };
 
+/// The parallelogram of two sides about its centre. A uniform distribution of width s has the variance s^2 / 12.
+inline ShaftEnd parallelogram_end(const Vec3& centre, const Vec3& side, const Vec3& other) {
+    const double deviation = 1 / std::sqrt(12.0);
+    ShaftEnd end;
+    end.centre = centre;
+    end.spread = {side * deviation, other * deviation, Vec3{}};
+    Vec3 reach;
+    for (int i = 0; i < 3; ++i)
+        for (const Vec3& s : end.spread) reach[i] += std::sqrt(3.0) * std::abs(s[i]);
+    end.box = {centre - reach, centre + reach};
+    return end;
+}
+
 inline Shaft shaft_between(const Panel& a, const Panel& b, std::uint64_t seed) {
     Shaft s;
     s.a = parallelogram_end(a.centre, a.side, a.other);

@@ -115,6 +115,19 @@ TEST_CASE("tradeoff: finished runs and the truth are found again, as long as not
     CHECK(study.solver.calls.size() == 1 + 3 * 4 + 2 * 2 * 4);
 }
 
+TEST_CASE("tradeoff: another build of one version measures anew, the truth too", "[tradeoff]") {
+    Study study;
+    const Tradeoff first = study.measure();
+    const std::vector<std::string> all = study.solver.calls;
+    study.options.program = "another";
+    const Tradeoff other = study.measure();
+    CHECK(study.solver.calls == all);
+    CHECK(other.truth_from != first.truth_from);
+    study.options.program.clear();
+    CHECK(study.measure().truth_from == first.truth_from);
+    CHECK(study.solver.calls.empty());
+}
+
 TEST_CASE("tradeoff: a budget leaves out what would probably take too long", "[tradeoff]") {
     Study study;
     study.options.sweep.methods = {Method::Reusable};

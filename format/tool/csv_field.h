@@ -1,4 +1,4 @@
-// One field of a CSV file, for every table that the solver writes.
+// One field of a CSV file, for every table that either program writes.
 #pragma once
 
 #include <string>
