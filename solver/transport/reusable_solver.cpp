@@ -392,8 +392,6 @@ ReusableSolver::~ReusableSolver() = default;
 ReusableSolver::ReusableSolver(ReusableSolver&&) noexcept = default;
 ReusableSolver& ReusableSolver::operator=(ReusableSolver&&) noexcept = default;
 
-void ReusableSolver::reset() { state_.reset(); }
-
 std::uint64_t ReusableSolver::bytes() const { return state_ ? state_->bytes() : 0; }
 
 Result<Solution> ReusableSolver::solve(std::shared_ptr<const Scene> scene, const Plan& plan, const TransportOptions& options,

@@ -27,9 +27,6 @@ class ReusableSolver {
     /// Did it keep nothing of the solve before?
     bool from_scratch() const { return from_scratch_; }
 
-    /// Forgets the scene.
-    void reset();
-
     /// Of nodes, links and their history.
     std::uint64_t bytes() const;
 
