@@ -19,6 +19,9 @@ constexpr double kMostDoubt = 4;
 // light are rounding of single precision, which tells nothing of what is to come.
 constexpr double kSlow = 0.9, kSettled = 0.1, kRounding = 1e-6;
 
+// After about so many bounces' worth of light, the errors of what is reflected on are of either sign.
+constexpr double kAlike = 2.3;
+
 }  // namespace
 
 template <int C>
@@ -77,7 +80,8 @@ double amplification(const Nodes& nodes, const LightField<C>& field, const Outsi
             emitted += nodes[id].area * mean_over<C>([&](std::size_t c) { return double(field.exitance(id, c)); });
         }
     }
-    return emitted > 0 ? std::max(1.0, all / emitted) : 1.0;
+    const double light = emitted > 0 ? std::max(1.0, all / emitted) : 1.0;
+    return light > kAlike ? std::sqrt(kAlike * light) : light;
 }
 
 template <int C>

@@ -25,7 +25,9 @@ Residual iterate(LightField<C>& field, double goal, double largest_reflectance, 
 /// Sum of A R^2 (channels' mean) of the light from outside that leaves reflect, W^2/m^2.
 double reflected_once(const Nodes& nodes, const std::vector<Rgb>& irradiance);
 
-/// What later bounces make of an error in the light of one, where errors agree in sign: they grow like the light itself.
+/// What later bounces make of an error in the light of one. Where errors agree in sign they grow like the light itself; where
+/// light is reflected many times they come from all over the scene, agree no longer, and grow by the root. (In a room that
+/// reflects nine tenths, light grows tenfold and estimates that grew with it told three to seven times the error.)
 template <int C>
 double amplification(const Nodes& nodes, const LightField<C>& field, const OutsideLight& outside);
 

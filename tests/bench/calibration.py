@@ -87,6 +87,12 @@ def dark_reflecting():
                  place("panel", "ceiling_panel", (2, 1.2, 1.8), 0.5, panel=shining(0.5, 0.5, 0.5), housing={"reflectance": [0.9] * 3}))
 
 
+def white_room():
+    """Furniture in a room, all of which reflect 0.85: between that and rooms as they are."""
+    return scene(place("room", "closed_room", **reflecting(0.85)), PANEL, place("pedestal", "pedestal", (1.3, 0.001, 2.4), **reflecting(0.85)),
+                 place("ball", "ball", (2.7, 0.001, 1.5), 1.4, **reflecting(0.85)), place("block", "cornell_short", (1.6, 0.001, 1.2), 2, **reflecting(0.85)))
+
+
 def foliage():
     return scene(ROOM, PANEL, place("palm", "palm", (1.8, 0.001, 2.2), 1, 20))
 
@@ -114,7 +120,8 @@ SCENES = {  # kind, and whether constants were chosen with the scene in view
     "point_light": (point_light, "one point light", "held out"),
     "sky_only": (sky_only, "sky only", "held out"),
     "window": (window, "sky through a window", "held out"),
-    "dark_reflecting": (dark_reflecting, "dark, reflectance 0.9", "held out"),
+    "dark_reflecting": (dark_reflecting, "dark, reflectance 0.9", "tuned"),
+    "white_room": (white_room, "bright, reflectance 0.85", "held out"),
     "foliage": (foliage, "foliage", "held out"),
     "near_contact": (near_contact, "near contact", "held out"),
     "many": (many, "many instances", "held out"),
