@@ -102,9 +102,16 @@ double Guide::limit(const Nodes& nodes, std::uint32_t to) const {
     return reflected * std::min(instance < share.size() ? share[instance] : scene_share, kOwnShare * own / area);
 }
 
+namespace {
+
+// Where nothing is reflected there is no measure: no link is too bad, and none negligible.
+double in_shares(double squared_error, double limit) { return limit > 0 ? squared_error / limit : 1.0; }
+
+}  // namespace
+
 double harm_to_part(const Guide& guide, const Nodes& nodes, std::uint32_t to, double area, double error) {
     const double rho = double(guide.reflectance[to]), others = kAgreement * kAgreement * double(guide.error[to]);
-    return area * rho * rho * error * (error + others) / guide.limit(nodes, to);
+    return in_shares(area * rho * rho * error * (error + others), guide.limit(nodes, to));
 }
 
 double harm(const Guide& guide, const Nodes& nodes, std::uint32_t to, std::uint32_t from, double exchange) {
@@ -114,7 +121,7 @@ double harm(const Guide& guide, const Nodes& nodes, std::uint32_t to, std::uint3
 
 double noise_harm(const Guide& guide, const Nodes& nodes, std::uint32_t to, std::uint32_t from, double noise) {
     const double e = double(guide.reflectance[to]) * double(guide.radiosity[from]) * noise;
-    return e * e / (std::max(nodes[to].area, 1e-300) * guide.limit(nodes, to));
+    return in_shares(e * e / std::max(nodes[to].area, 1e-300), guide.limit(nodes, to));
 }
 
 LinkBuilder::LinkBuilder(const Nodes& nodes, const EndAreas& areas, const SceneRays& rays,
