@@ -464,18 +464,32 @@ Verdict LinkBuilder::judge_far(std::uint32_t a, std::uint32_t b, const Guide& gu
         const Verdict v = split(a, b, by_a >= by_b);
         if (v.action != Verdict::Action::Accept) return v;
     }
+    o.mode_a = end_a.mode;
+    o.mode_b = end_b.mode;
+    o.own = own;
+    o.negligible = negligible;
+    o.exchange = g;
+    const double unknown = negligible && near ? 1.0 : 0.0;  // it may be too near for any of this
+    o.error_a = std::hypot(error_a, unknown);
+    o.error_b = std::hypot(error_b, unknown);
+    return settle_far(o, end_a, end_b, w, d, guide);
+}
 
+// o: as if the ends' objects hid nothing of themselves, errors relative. w: from a to b; d: their distance.
+Verdict LinkBuilder::settle_far(Offer o, const End& end_a, const End& end_b, const Vec3& w, double d, const Guide& guide) const {
+    const Node &na = nodes_[o.a], &nb = nodes_[o.b];
+    const double g = o.exchange;
     // What an end hides of itself is part of what its object hides.
-    const double share_a = own >= 0 ? 1 : areas_.visible_share(na, w, end_a.mode);
-    const double share_b = own >= 0 ? 1 : areas_.visible_share(nb, -w, end_b.mode);
+    const double share_a = o.own >= 0 ? 1 : areas_.visible_share(na, w, end_a.mode);
+    const double share_b = o.own >= 0 ? 1 : areas_.visible_share(nb, -w, end_b.mode);
     // One share for all of an end: which of its faces are hidden is known to Bins outside alone.
     const auto hidden = [&](const Node& n, EndMode mode, double share) {
         if (n.kind == NodeKind::Surface || (n.kind == NodeKind::Bins && mode == EndMode::Outside)) return 0.0;
         return std::hypot(std::sqrt(std::max(0.0, share * (1 - share))), kMissedGap * std::max(0.0, 1 - share));
     };
     const double hidden_a = hidden(na, end_a.mode, share_a), hidden_b = hidden(nb, end_b.mode, share_b);
-    if (!negligible && harm_of(guide, o, g * hidden_a, g * hidden_b) > 1)
-        return split(a, b, harm(guide, nodes_, a, b, g * hidden_a) >= harm(guide, nodes_, b, a, g * hidden_b));
+    if (!o.negligible && harm_of(guide, o, g * hidden_a, g * hidden_b) > 1)
+        return split(o.a, o.b, harm(guide, nodes_, o.a, o.b, g * hidden_a) >= harm(guide, nodes_, o.b, o.a, g * hidden_b));
     if (share_a <= 0 || share_b <= 0) return {};
 
     // Bins hold their own projection and, outside, their own visibility.
@@ -483,16 +497,10 @@ Verdict LinkBuilder::judge_far(std::uint32_t a, std::uint32_t b, const Guide& gu
         if (n.kind != NodeKind::Bins) return end.projection * share;
         return end.mode == EndMode::Outside ? 1.0 : share;
     };
-    o.mode_a = end_a.mode;
-    o.mode_b = end_b.mode;
-    o.own = own;
-    o.negligible = negligible;
     o.exchange = g * share_a * share_b;
     o.base_a = o.base_b = strength(na, end_a, share_a) * strength(nb, end_b, share_b) / (d * d);
-    // A negligible pair may be too near for any of this.
-    const double unknown = negligible && near ? 1.0 : 0.0;
-    o.error_a = std::hypot(o.exchange * std::hypot(error_a, unknown), g * hidden_a);
-    o.error_b = std::hypot(o.exchange * std::hypot(error_b, unknown), g * hidden_b);
+    o.error_a = std::hypot(o.exchange * o.error_a, g * hidden_a);
+    o.error_b = std::hypot(o.exchange * o.error_b, g * hidden_b);
     return settle(o, guide);
 }
 

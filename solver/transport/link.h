@@ -162,6 +162,8 @@ class LinkBuilder {
     double harm_of(const Guide& guide, const Offer& o, double error_a, double error_b) const;
     /// What it may be wrong by that a node sends one radiosity, relative; r its radius over the distance.
     double sent_as_one(std::uint32_t id, double r, const Guide& guide) const;
+    /// Takes what the ends' objects hide of themselves from a far link, and settles it.
+    Verdict settle_far(Offer o, const End& end_a, const End& end_b, const Vec3& w, double d, const Guide& guide) const;
     /// Asks for the visibility and makes it a link, or divides where a shadow's edge crosses it.
     Verdict settle(const Offer& o, const Guide& guide) const;
 

@@ -29,6 +29,13 @@ struct OutsideLight::Estimate {
     std::uint64_t rays = 0;
 };
 
+/// Of what points of a surface receive; all but the first are means over channels.
+struct OutsideLight::Sums {
+    Vec3 light;
+    double mean = 0, square = 0;
+    double clear = 0, open = 0;  // with nothing in the way, and as it is
+};
+
 OutsideLight::OutsideLight(const Scene& scene, const Plan& plan, const LinkBuilder& builder, const SceneRays& rays,
                            const TransportOptions& options)
     : scene_(scene), builder_(builder), rays_of_scene_(rays), sky_(plan.on("sky") && scene.sky), sun_(plan.on("sun") && scene.sun),
@@ -36,6 +43,19 @@ OutsideLight::OutsideLight(const Scene& scene, const Plan& plan, const LinkBuild
       seed_(options.seed), accuracy_(options.accuracy) {
     // What surrounds a scene shines through its medium from infinitely far.
     if (scene.medium && max_component(scene.medium->transmittance(std::numeric_limits<double>::infinity())) <= 0) sky_ = sun_ = false;
+}
+
+// What the points' light adds up to: the mean, its variance, and how much of a shadow's edge lies on the surface.
+void OutsideLight::conclude(Estimate& e, double n, const Sums& s) const {
+    const double m = s.mean / n;
+    // Laplace's rule: points that agree may have missed an edge.
+    const double v = s.clear > 0 ? (s.open / s.clear * n + 1) / (n + 2) : 1;
+    const bool agree = !occlusion_ || s.open <= 0 || s.open >= s.clear;
+    const double full = s.clear / n;
+    const double unseen = occlusion_ && s.clear > 0 ? full * full * v * (1 - v) / n : 0.0;
+    e.variance = kSobolGain * kSobolGain * (std::max(0.0, s.square / n - m * m) / n + (agree ? unseen : 0.0));
+    e.irradiance = s.light / n;
+    e.partial = agree ? 0.0 : full * full * v * (1 - v);
 }
 
 OutsideLight::Estimate OutsideLight::sample(const Nodes& nodes, std::uint32_t surface, double tolerance) const {
@@ -52,16 +72,15 @@ OutsideLight::Estimate OutsideLight::sample(const Nodes& nodes, std::uint32_t su
     const std::uint64_t seed = mix64(builder_.sample_key(surface) ^ mix64(seed_));
 
     Estimate e;
-    Vec3 sum;
-    double square = 0, sum_mean = 0, clear = 0, open = 0;
+    Sums sums;
     const auto seen = [&](const Vec3& p, const Vec3& q, double light) {
         if (light <= 0) return 0.0;
-        clear += light;
+        sums.clear += light;
         if (occlusion_) {
             ++e.rays;
             if (rays_of_scene_.occluded(p, q, on, {}, passed)) return 0.0;
         }
-        open += light;
+        sums.open += light;
         return 1.0;
     };
     // Towards what is infinitely far.
@@ -102,20 +121,12 @@ OutsideLight::Estimate OutsideLight::sample(const Nodes& nodes, std::uint32_t su
                     if (scene_.medium) arriving = hadamard(arriving, scene_.medium->transmittance(d));
                     light += arriving * seen(p, lamp.position, mean(arriving));
                 }
-            sum += light;
-            sum_mean += mean(light);
-            square += mean(light) * mean(light);
+            sums.light += light;
+            sums.mean += mean(light);
+            sums.square += mean(light) * mean(light);
         }
-        const double n = count, m = sum_mean / n;
-        // Laplace's rule: points that agree may have missed an edge.
-        const double v = clear > 0 ? (open / clear * n + 1) / (n + 2) : 1;
-        const bool agree = !occlusion_ || open <= 0 || open >= clear;
-        const double full = clear / n;
-        const double unseen = occlusion_ && clear > 0 ? full * full * v * (1 - v) / n : 0.0;
-        e.variance = kSobolGain * kSobolGain * (std::max(0.0, square / n - m * m) / n + (agree ? unseen : 0.0));
-        e.irradiance = sum / n;
-        e.partial = agree ? 0.0 : full * full * v * (1 - v);
-        if (clear <= 0 || std::sqrt(e.variance) <= std::max(tolerance, kShare * accuracy_ * m)) break;
+        conclude(e, count, sums);
+        if (sums.clear <= 0 || std::sqrt(e.variance) <= std::max(tolerance, kShare * accuracy_ * (sums.mean / count))) break;
     }
     return e;
 }

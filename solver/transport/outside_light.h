@@ -37,10 +37,12 @@ class OutsideLight {
 
   private:
     struct Estimate;
+    struct Sums;
     bool sky() const { return built_in("sky") && sky_; }
     bool sun() const { return built_in("sun") && sun_; }
     bool lights() const { return built_in("lights") && lights_; }
     Estimate sample(const Nodes& nodes, std::uint32_t surface, double tolerance) const;
+    void conclude(Estimate& e, double points, const Sums& sums) const;
 
     const Scene& scene_;
     const LinkBuilder& builder_;
