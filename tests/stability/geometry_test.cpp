@@ -3,6 +3,7 @@
 // Most stand in a furnace: in a closed room where every surface emits 1 - rho the radiosity is 1 wherever light gets to,
 // whatever hides whatever. Faces that another surface covers may be anything between their exitance and 1.
 #include "tests/stability/sound.h"
+#include "tests/stability/wide.h"
 
 #include <functional>
 #include <random>
@@ -229,6 +230,29 @@ TEST_CASE("an emitter that touches a receiver", "[stability][geometry]") {
                                    coarse_tables());
     const Solution s = solve_soundly("geometry", scene, kAccuracy);
     CHECK(irradiance(scene, s, 0).mean > 0.05);
+}
+
+TEST_CASE("parts of an object between its other parts", "[stability][geometry]") {
+    // Three plates of one mesh, all glowing: the middle one hides the outer ones from each other, or they would receive half as
+    // much again.
+    Mesh plates = make_parallelogram({0, 0, 0}, {0, 0, 1}, {1, 0, 0}, 8);
+    add_parallelogram(plates, {0, 0.5, 0}, {0, 0, 1}, {1, 0, 0}, 8, true);
+    add_parallelogram(plates, {0, 1, 0}, {1, 0, 0}, {0, 0, 1}, 8);
+    constexpr double kRho = 0.01;
+    const Scene scene = make_scene({{plates, {}, {kRho, kRho, kRho}, {1, 1, 1}}}, coarse_tables());
+    const Solution s = solve_soundly("geometry", scene, kAccuracy);
+    const double f = wide_facing(1, 1, 0.5), expected = f * (1 + kRho * f);  // one bounce, to rho^2
+    Worst off;
+    double lower = 0, upper = 0;
+    for (std::size_t k = 0; k < s.instances[0].irradiance.size(); ++k) {
+        const TriangleCorners c = scene.instances[0].world_corners(scene.instances[0].data().faces[k]);
+        const double e = double(s.instances[0].irradiance[k].x) * face_area(scene.instances[0], k);
+        if (c[0].y < 0.25) lower += e;
+        if (c[0].y > 0.75) upper += e;
+    }
+    off.add_relative(lower, expected);
+    off.add_relative(upper, expected);
+    record("geometry", "three plates of one mesh, the middle one between", "E = M F of neighbours (Howell C-11), mean", kAccuracy, off.value());
 }
 
 TEST_CASE("directions at poles, seams and creases", "[stability][geometry]") {
