@@ -59,6 +59,8 @@ void print_summary(const Scene& scene, const Solution& s, std::optional<double> 
                 s.iterations);
     std::printf("estimated error  %.3g, asked for %.3g%s\n", s.estimated_error, s.accuracy,
                 s.converged ? "" : " (not met)");
+    if (s.worst_instance >= 0)
+        std::printf("worst instance   %s, %.3g\n", scene.instances[static_cast<std::size_t>(s.worst_instance)].name.c_str(), s.worst_estimate);
     const auto power = [](const char* what, const Vec3& v) {
         std::printf("%-16s %.6g %.6g %.6g W\n", what, v.x, v.y, v.z);
     };

@@ -73,6 +73,8 @@ struct Solution {
     std::uint64_t elements = 0;       // leaves: whole faces and elements
     double accuracy = 0;              // asked
     double estimated_error = 0;       // area-weighted relative RMS of the reflected radiosity
+    std::int64_t worst_instance = -1; // of those that hold a thousandth of the reflected light or more; -1: not known
+    double worst_estimate = 0;        // its own estimated error
     bool converged = false;           // the estimate met the accuracy; reference with samples, hierarchical: all was done
     int iterations = 0;               // sweeps of light over all links; reference: passes over all faces
     double residual = 0;              // of the iteration, relative to the reflected light

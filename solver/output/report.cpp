@@ -40,7 +40,7 @@ json effects(const Solution& solution) {
 Status write_report(const Scene& scene, const Solution& solution, const std::filesystem::path& path) {
     const PhaseSeconds& s = solution.seconds;
     const LinkCounts& l = solution.links;
-    const json report = {
+    json report = {
         {"accuracy", solution.accuracy},
         {"estimated_error", finite(solution.estimated_error)},
         {"converged", solution.converged},
@@ -65,6 +65,9 @@ Status write_report(const Scene& scene, const Solution& solution, const std::fil
           {"escaped", channels(solution.energy.escaped)}}},
         {"effects", effects(solution)},
         {"warnings", solution.warnings}};
+    if (solution.worst_instance >= 0)
+        report["worst_instance"] = {{"name", scene.instances[static_cast<std::size_t>(solution.worst_instance)].name},
+                                    {"estimated_error", finite(solution.worst_estimate)}};
     return write_file_atomically(path, report.dump(2, ' ', false, json::error_handler_t::replace) + "\n");
 }
 

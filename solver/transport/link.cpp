@@ -64,6 +64,9 @@ constexpr double kMissedGap = 0.1;
 // Light within a node is left out, not approximated, so it must be this much less harmful.
 constexpr double kDarkSelf = 0.01;
 
+// Of a cluster's area, the least that counts as turned to the other end before its table is asked.
+constexpr double kLeastBins = 0.05;
+
 // What a pair's own object leaves of its light, where that is not known.
 constexpr double kOwnUnknown = -1;
 
@@ -89,7 +92,7 @@ double largest_share(const Node& a, const Node& b) {
 // distance) about w: near the horizon part of it lies below. For cosines spread evenly over c - x .. c + x the mean of
 // max(0, cosine) is (c + x)^2 / 4x.
 LinkBuilder::Projection LinkBuilder::projection(const Node& n, const Vec3& w, double spread) {
-    if (n.kind == NodeKind::Bins) return {0.25 * n.area, 0};  // Cauchy: a typical one, its table knows better
+    if (n.kind == NodeKind::Bins) return {n.area * std::max(kLeastBins, n.mean_cosine(w)), 0};  // its table knows better
     const double fan = 0.5 * spread;  // root mean square of a disk
     const double mean = n.mean_cosine(w, fan), plain = std::max(0.0, dot(n.area_vector, w) / std::max(n.area, 1e-300));
     if (mean <= 0) return {};

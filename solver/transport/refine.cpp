@@ -295,6 +295,15 @@ ErrorEstimate estimate_error(const LinkSet& set, const Nodes& nodes, double grow
     return e;
 }
 
+std::int64_t worst_instance(const ErrorEstimate& estimate) {
+    std::int64_t worst = -1;
+    for (std::size_t i = 0; i < estimate.of_instance.size(); ++i)
+        if (estimate.power_share[i] > kCountingShare &&
+            (worst < 0 || estimate.of_instance[i] > estimate.of_instance[static_cast<std::size_t>(worst)]))
+            worst = static_cast<std::int64_t>(i);
+    return worst;
+}
+
 bool lower_shares(const ErrorEstimate& estimate, double allowed, Guide& guide) {
     bool good = true;
     for (std::size_t i = 0; i < guide.share.size(); ++i) {

@@ -66,6 +66,9 @@ struct ErrorEstimate {
 ErrorEstimate estimate_error(const LinkSet& set, const Nodes& nodes, double growth, std::span<const float> outside,
                              Guide& guide);
 
+/// The instance with the largest error of those that count by themselves (solver/accuracy.md); -1 where none does.
+std::int64_t worst_instance(const ErrorEstimate& estimate);
+
 /// Lowers the guide's shares of links where errors are larger than allowed, relative. Returns whether they are small enough
 /// everywhere.
 bool lower_shares(const ErrorEstimate& estimate, double allowed, Guide& guide);

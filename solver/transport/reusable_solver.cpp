@@ -324,6 +324,9 @@ class Engine : public ReusableSolver::State {
                                                     stage_->outside->error(), guide_);
             hind_sight.correct(estimate, nodes, field);
             error = estimate.whole;
+            solution.worst_instance = worst_instance(estimate);
+            if (solution.worst_instance >= 0)
+                solution.worst_estimate = estimate.of_instance[static_cast<std::size_t>(solution.worst_instance)];
             if (ready) changed = links == Links::Retested || lit_pending() > lit_pending_;
             if (round < kDirectRounds) continue;
             const bool good = lower_shares(estimate, allowed, guide_);
